@@ -1,0 +1,43 @@
+# add_module(NAME n SRCS a.cpp ... HDRS a.h ... DEPS modules ... LIBS third parties ...)
+#
+# One module per folder. DEPS name modules of ours, LIBS libraries of others; a module may include
+# only its own headers and those of its DEPS (not of their DEPS), which the `layers` test checks
+# against the manifest written by write_module_manifest().
+define_property(GLOBAL PROPERTY SHUTTERLINE_MODULES)
+function(add_module)
+  cmake_parse_arguments(M "" "NAME" "SRCS;HDRS;DEPS;LIBS" ${ARGN})
+  if(M_SRCS)
+    add_library(${M_NAME} STATIC ${M_SRCS} ${M_HDRS})
+    target_include_directories(${M_NAME} PUBLIC "${PROJECT_SOURCE_DIR}")
+    target_link_libraries(${M_NAME} PUBLIC ${M_DEPS} ${M_LIBS} PRIVATE shutterline_warnings)
+  else()
+    add_library(${M_NAME} INTERFACE ${M_HDRS})
+    target_include_directories(${M_NAME} INTERFACE "${PROJECT_SOURCE_DIR}")
+    target_link_libraries(${M_NAME} INTERFACE ${M_DEPS} ${M_LIBS})
+  endif()
+  record_module(${M_NAME} "${M_DEPS}")
+endfunction()
+
+# add_program(NAME n OUTPUT file-name SRCS ... DEPS ... LIBS ...)
+function(add_program)
+  cmake_parse_arguments(M "" "NAME;OUTPUT" "SRCS;DEPS;LIBS" ${ARGN})
+  add_executable(${M_NAME} ${M_SRCS})
+  target_include_directories(${M_NAME} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${M_NAME} PRIVATE ${M_DEPS} ${M_LIBS} shutterline_warnings)
+  if(M_OUTPUT)
+    set_target_properties(${M_NAME} PROPERTIES OUTPUT_NAME ${M_OUTPUT})
+  endif()
+  record_module(${M_NAME} "${M_DEPS}")
+endfunction()
+
+function(record_module name deps)
+  file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
+  list(JOIN deps "," deps)
+  set_property(GLOBAL APPEND PROPERTY SHUTTERLINE_MODULES "${name} ${folder} ${deps}")
+endfunction()
+
+function(write_module_manifest file)
+  get_property(modules GLOBAL PROPERTY SHUTTERLINE_MODULES)
+  list(JOIN modules "\n" text)
+  file(WRITE "${file}" "${text}\n")
+endfunction()

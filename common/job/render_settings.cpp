@@ -1,0 +1,86 @@
+#include "common/job/render_settings.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace shutterline {
+namespace {
+
+template <typename Enum, size_t N>
+using Words = std::array<std::pair<Enum, std::string_view>, N>;
+
+constexpr Words<IntegratorKind, 2> kIntegrators{
+    {{IntegratorKind::kLine, "line"}, {IntegratorKind::kReference, "reference"}}};
+constexpr Words<PatternKind, 4> kPatterns{{{PatternKind::k1h1v, "1h1v"},
+                                           {PatternKind::k2h2v, "2h2v"},
+                                           {PatternKind::k4h4v, "4h4v"},
+                                           {PatternKind::kRgls, "rgls"}}};
+constexpr Words<ResolverKind, 1> kResolvers{{{ResolverKind::kSlice, "slice"}}};
+constexpr Words<PixelType, 2> kPixelTypes{{{PixelType::kHalf, "half"}, {PixelType::kFloat, "float"}}};
+constexpr Words<ExrCompression, 4> kCompressions{{{ExrCompression::kNone, "none"},
+                                                  {ExrCompression::kZip, "zip"},
+                                                  {ExrCompression::kPiz, "piz"},
+                                                  {ExrCompression::kDwaa, "dwaa"}}};
+
+template <typename Enum, size_t N>
+std::string_view WordOf(const Words<Enum, N>& words, Enum value) {
+  for (const auto& [candidate, word] : words) {
+    if (candidate == value) return word;
+  }
+  return "unknown";
+}
+
+template <typename Enum, size_t N>
+std::optional<Enum> ValueOf(const Words<Enum, N>& words, std::string_view word) {
+  for (const auto& [value, candidate] : words) {
+    if (candidate == word) return value;
+  }
+  return std::nullopt;
+}
+
+absl::Status OutOfRange(std::string_view field, double value, std::string_view range) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("render settings: ", field, " is ", value, ", but must be ", range));
+}
+
+}  // namespace
+
+absl::Status Validate(const RenderSettings& s) {
+  const std::string side = absl::StrCat("1 to ", kMaxFrameSide);
+  if (s.width < 1 || s.width > kMaxFrameSide) return OutOfRange("width", s.width, side);
+  if (s.height < 1 || s.height > kMaxFrameSide) return OutOfRange("height", s.height, side);
+  if (!std::isfinite(s.fps) || s.fps <= 0 || s.fps > 1e6) return OutOfRange("fps", s.fps, "above 0 and at most 1e6");
+  if (!std::isfinite(s.shutter_open) || std::abs(s.shutter_open) > 1e6) {
+    return OutOfRange("shutter_open", s.shutter_open, "finite and within ±1e6 frames");
+  }
+  if (!std::isfinite(s.shutter_close) || std::abs(s.shutter_close) > 1e6) {
+    return OutOfRange("shutter_close", s.shutter_close, "finite and within ±1e6 frames");
+  }
+  if (s.shutter_close < s.shutter_open) {
+    return OutOfRange("shutter_close", s.shutter_close, absl::StrCat("at least shutter_open (", s.shutter_open, ")"));
+  }
+  if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
+    return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");
+  }
+  if (s.time_samples && (*s.time_samples < 1 || *s.time_samples > kMaxTimeSamples)) {
+    return OutOfRange("time_samples", *s.time_samples, absl::StrCat("1 to ", kMaxTimeSamples));
+  }
+  if (s.spp < 1 || s.spp > kMaxSpp) return OutOfRange("spp", s.spp, absl::StrCat("1 to ", kMaxSpp));
+  return absl::OkStatus();
+}
+
+std::string_view ToString(IntegratorKind kind) { return WordOf(kIntegrators, kind); }
+std::string_view ToString(PatternKind kind) { return WordOf(kPatterns, kind); }
+std::string_view ToString(ResolverKind kind) { return WordOf(kResolvers, kind); }
+std::string_view ToString(PixelType type) { return WordOf(kPixelTypes, type); }
+std::string_view ToString(ExrCompression compression) { return WordOf(kCompressions, compression); }
+std::optional<IntegratorKind> ParseIntegrator(std::string_view word) { return ValueOf(kIntegrators, word); }
+std::optional<PatternKind> ParsePattern(std::string_view word) { return ValueOf(kPatterns, word); }
+std::optional<ResolverKind> ParseResolver(std::string_view word) { return ValueOf(kResolvers, word); }
+std::optional<PixelType> ParsePixelType(std::string_view word) { return ValueOf(kPixelTypes, word); }
+std::optional<ExrCompression> ParseExrCompression(std::string_view word) { return ValueOf(kCompressions, word); }
+
+}  // namespace shutterline

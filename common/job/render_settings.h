@@ -1,0 +1,78 @@
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace shutterline {
+
+enum class IntegratorKind { kLine, kReference };
+enum class PatternKind { k1h1v, k2h2v, k4h4v, kRgls };
+enum class ResolverKind { kSlice };
+enum class PixelType { kHalf, kFloat };
+enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
+
+/// What decides a frame's pixels. Part of every tile's identity: two renders with equal settings, scene,
+/// frame and engine build are equal to the last bit.
+struct RenderSettings {
+  // --- Camera and time ---------------------------------------------------------------------------
+  int width = 1024;   ///< Pixels, 1 to kMaxFrameSide.
+  int height = 768;   ///< Pixels, 1 to kMaxFrameSide.
+  double fps = 24;    ///< Frames a second of animation; frame f's time is f / fps seconds.
+  /// Shutter open and close in frames relative to the frame, as in USD. Open <= close; equal means a still.
+  double shutter_open = 0;
+  double shutter_close = 0.5;
+  /// A camera's name or index in the file. Empty: the file's first camera, or, where there is none, an
+  /// automatic one that frames the scene.
+  std::string camera;
+  /// An animation's name or index, "all" or "none". Empty: the file's first animation.
+  std::string animation;
+
+  // --- Method ------------------------------------------------------------------------------------
+  IntegratorKind integrator = IntegratorKind::kLine;
+  PatternKind pattern = PatternKind::kRgls;       ///< Line integrator: which line samples.
+  ResolverKind resolver = ResolverKind::kSlice;   ///< Line integrator: how visibility is resolved.
+  /// Line integrator: pixels of motion between two instants of a line; smaller is slower and more exact.
+  double time_step = 1.0;
+  /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
+  /// kMaxTimeSamples; `time_step` is then ignored.
+  std::optional<int> time_samples;
+  int spp = 64;        ///< Reference integrator: points (x, y, t) a pixel, 1 to kMaxSpp.
+  uint64_t seed = 0;   ///< Reference integrator: frames of different seeds are independent estimates.
+
+  friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
+};
+
+/// How a finished frame is written. Does not change what tiles hold (32-bit floats, always).
+struct OutputSettings {
+  PixelType pixel_type = PixelType::kHalf;
+  ExrCompression compression = ExrCompression::kZip;
+
+  friend bool operator==(const OutputSettings&, const OutputSettings&) = default;
+};
+
+inline constexpr int kMaxFrameSide = 32768;
+inline constexpr int kMaxTimeSamples = 1 << 16;
+inline constexpr int kMaxSpp = 1 << 20;
+
+/// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range.
+/// Names of cameras and animations are checked against the scene elsewhere.
+absl::Status Validate(const RenderSettings& settings);
+
+/// The words of the command line and of EXR headers ("rgls", "slice", "half", ...). Each Parse accepts
+/// exactly what ToString returns and otherwise returns nullopt.
+std::string_view ToString(IntegratorKind kind);
+std::string_view ToString(PatternKind kind);
+std::string_view ToString(ResolverKind kind);
+std::string_view ToString(PixelType type);
+std::string_view ToString(ExrCompression compression);
+std::optional<IntegratorKind> ParseIntegrator(std::string_view word);
+std::optional<PatternKind> ParsePattern(std::string_view word);
+std::optional<ResolverKind> ParseResolver(std::string_view word);
+std::optional<PixelType> ParsePixelType(std::string_view word);
+std::optional<ExrCompression> ParseExrCompression(std::string_view word);
+
+}  // namespace shutterline

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <span>
+
+#include "common/job/render_settings.h"
+#include "common/job/tile.h"
+#include "worker/engine/render/stats.h"
+#include "worker/engine/scene/frame_scene.h"
+
+namespace shutterline::engine {
+
+/// Renders tiles of one frame by one method. Built once a frame, shared by all threads.
+class TileIntegrator {
+ public:
+  virtual ~TileIntegrator() = default;
+
+  /// Renders the pixels of `rect`, which lies within the frame, into `rgba`: 4 floats a pixel (linear,
+  /// premultiplied), rows from the top, `4 * rect.Area()` floats. Thread-safe. What is written depends on
+  /// nothing but the frame, the settings and `rect`. Adds to `stats`, which belongs to the caller.
+  virtual void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const = 0;
+};
+
+/// The integrator that `settings.integrator` names, ready to render `frame` (for the reference: the frame
+/// number seeds the samples). Builds what the method needs, as its BVH, with up to `threads` threads.
+absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(std::shared_ptr<const FrameScene> frame_scene,
+                                                                   int frame, const RenderSettings& settings,
+                                                                   int threads);
+
+}  // namespace shutterline::engine

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/job/render_settings.h"
+#include "common/math/spaces.h"
+#include "worker/engine/scene/scene.h"
+
+namespace shutterline::engine {
+
+/// The camera of a frame: a constant map between view space and homogeneous raster space. The camera's
+/// *motion* is not here but in the vertices: they are given relative to the moving camera.
+struct FrameView {
+  bool perspective = true;
+  int width = 0, height = 0;   ///< Pixels.
+  /// x_raster = scale_x * x_view + center_x * w, y_raster = -scale_y * y_view + center_y * w, with
+  /// w = -z_view (perspective) or 1 (orthographic).
+  double scale_x = 1, scale_y = 1;
+  double center_x = 0, center_y = 0;
+  double znear = 0.1;   ///< Metres, > 0 for perspective.
+  double zfar = 0;      ///< 0: infinite.
+
+  RasterPoint RasterFromView(const V3d& p) const;
+  V3d ViewFromRaster(const RasterPoint& p) const;
+  /// Depth (z/w) at the far plane: what is smaller is clipped. 0 for an infinite far plane.
+  double FarDepth() const;
+};
+
+/// A mesh primitive placed by a node, in this frame.
+struct FramePrimitive {
+  const MeshPrimitive* source = nullptr;   ///< Texture coordinates, colours; owned by the Scene.
+  const Material* material = nullptr;
+  int node = -1;
+  uint32_t first_triangle = 0, triangle_count = 0;   ///< In FrameScene::triangles.
+  uint32_t first_vertex = 0, vertex_count = 0;       ///< Vertices are numbered through all primitives.
+  /// Degree of motion, 0 or 1. Vertex v's control points are
+  /// control_points[first_control_point + (v - first_vertex) * (degree + 1) + i], i = 0..degree.
+  int degree = 0;
+  uint64_t first_control_point = 0;
+  /// The node mirrors: triangles are counter-clockwise in raster space (y up) after their corners have
+  /// been swapped at build; kept for reports.
+  bool mirrored = false;
+  /// Per-vertex unit normals in view space at mid-shutter, flipped with mirrored nodes; empty where the
+  /// material is unlit or the mesh has none. normals[first_normal + (v - first_vertex)].
+  bool has_normals = false;
+  uint64_t first_normal = 0;
+  /// Largest path length of a vertex over the shutter, pixels; infinity if one crosses the near plane.
+  double motion_pixels = 0;
+};
+
+struct FrameTriangle {
+  std::array<uint32_t, 3> vertices;   ///< Global numbers. Seen from the front: counter-clockwise, y up.
+  uint32_t primitive;
+};
+
+/// Everything that visibility needs of one frame: triangles whose vertices move on Bezier curves in
+/// homogeneous raster space over the shutter. Object, skin, morph and camera motion are all in the
+/// control points. Immutable; any number of threads may read it.
+struct FrameScene {
+  std::shared_ptr<const Scene> scene;
+  FrameView view;
+  std::vector<FramePrimitive> primitives;
+  std::vector<FrameTriangle> triangles;
+  std::vector<RasterPoint> control_points;
+  std::vector<V3f> normals;
+  /// For people: primitives whose true path leaves the linear one by more than 0.5 px, dropped vertices.
+  std::vector<std::string> warnings;
+  int64_t dropped_triangles = 0;   ///< With a control point that is not finite.
+
+  const RasterPoint& ControlPoint(const FramePrimitive& primitive, uint32_t vertex, int i) const {
+    return control_points[primitive.first_control_point +
+                          uint64_t{vertex - primitive.first_vertex} * (primitive.degree + 1) + i];
+  }
+  /// A vertex at shutter time t. A static vertex is returned bit for bit, whatever t.
+  RasterPoint VertexAt(const FramePrimitive& primitive, uint32_t vertex, double t) const {
+    const RasterPoint& open = ControlPoint(primitive, vertex, 0);
+    if (primitive.degree == 0) return open;
+    const RasterPoint& close = ControlPoint(primitive, vertex, 1);
+    return (1 - t) * open + t * close;
+  }
+};
+
+/// Poses the scene over the shutter of `frame` and projects it: nodes, skins and morph targets are
+/// evaluated exactly at shutter open and close (and at check times in between, for the warnings).
+/// INVALID_ARGUMENT where `settings` names a camera or an animation that the scene does not have (the
+/// message lists those that it has); RESOURCE_EXHAUSTED where instancing exceeds 2^32 - 2 triangles.
+absl::StatusOr<std::shared_ptr<const FrameScene>> BuildFrameScene(std::shared_ptr<const Scene> scene, int frame,
+                                                                  const RenderSettings& settings);
+
+/// The checks of BuildFrameScene on names alone, without building anything.
+absl::Status ValidateAgainstScene(const Scene& scene, const RenderSettings& settings);
+
+}  // namespace shutterline::engine
