@@ -14,11 +14,12 @@ std::string Digest::ToHex() const {
   return absl::BytesToHexString({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-absl::StatusOr<Digest> Digest::FromHex(std::string_view hex) {
-  const bool all_hex = std::all_of(hex.begin(), hex.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+absl::StatusOr<Digest> Digest::FromHex(absl::string_view hex) {
+  const bool all_hex =
+      std::all_of(hex.begin(), hex.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
   if (hex.size() != 64 || !all_hex) {
-    return absl::InvalidArgumentError(absl::StrCat("digest '", absl::CHexEscape(hex.substr(0, 80)),
-                                                   "' is not 64 hexadecimal digits"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("digest '", absl::CHexEscape(hex.substr(0, 80)), "' is not 64 hexadecimal digits"));
   }
   const std::string raw = absl::HexStringToBytes(hex);
   Digest digest;
@@ -37,7 +38,7 @@ Sha256Stream::Sha256Stream() : state_(std::make_unique<State>()) {
 
 Sha256Stream::~Sha256Stream() = default;
 
-void Sha256Stream::Update(std::string_view piece) {
+void Sha256Stream::Update(absl::string_view piece) {
   SL_CHECK(EVP_DigestUpdate(state_->context.get(), piece.data(), piece.size()) == 1);
 }
 
@@ -49,7 +50,7 @@ Digest Sha256Stream::Finish() {
   return digest;
 }
 
-Digest Sha256(std::string_view data) {
+Digest Sha256(absl::string_view data) {
   Sha256Stream stream;
   stream.Update(data);
   return stream.Finish();

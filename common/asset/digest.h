@@ -1,13 +1,13 @@
 #pragma once
 
 #include <absl/status/statusor.h>
+#include <absl/strings/string_view.h>
 
 #include <array>
 #include <compare>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 
 namespace shutterline {
 
@@ -17,7 +17,7 @@ struct Digest {
 
   std::string ToHex() const;
   /// INVALID_ARGUMENT unless `hex` is 64 hex digits.
-  static absl::StatusOr<Digest> FromHex(std::string_view hex);
+  static absl::StatusOr<Digest> FromHex(absl::string_view hex);
 
   friend auto operator<=>(const Digest&, const Digest&) = default;
   template <typename H>
@@ -27,7 +27,7 @@ struct Digest {
 };
 
 /// SHA-256 of `data`.
-Digest Sha256(std::string_view data);
+Digest Sha256(absl::string_view data);
 
 /// SHA-256 of data that comes in pieces: Update* Finish. Not thread-safe; Finish may be called once.
 class Sha256Stream {
@@ -37,7 +37,7 @@ class Sha256Stream {
   Sha256Stream(const Sha256Stream&) = delete;
   Sha256Stream& operator=(const Sha256Stream&) = delete;
 
-  void Update(std::string_view piece);
+  void Update(absl::string_view piece);
   Digest Finish();
 
  private:

@@ -24,7 +24,9 @@ class Image {
   const std::vector<std::string>& channels() const { return channels_; }
 
   float* At(int x, int y) { return &values_[(size_t(y) * size_t(width_) + size_t(x)) * channels_.size()]; }
-  const float* At(int x, int y) const { return &values_[(size_t(y) * size_t(width_) + size_t(x)) * channels_.size()]; }
+  const float* At(int x, int y) const {
+    return &values_[(size_t(y) * size_t(width_) + size_t(x)) * channels_.size()];
+  }
   std::vector<float>& values() { return values_; }
   const std::vector<float>& values() const { return values_; }
 

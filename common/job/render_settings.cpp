@@ -10,7 +10,7 @@ namespace shutterline {
 namespace {
 
 template <typename Enum, size_t N>
-using Words = std::array<std::pair<Enum, std::string_view>, N>;
+using Words = std::array<std::pair<Enum, absl::string_view>, N>;
 
 constexpr Words<IntegratorKind, 2> kIntegrators{
     {{IntegratorKind::kLine, "line"}, {IntegratorKind::kReference, "reference"}}};
@@ -26,7 +26,7 @@ constexpr Words<ExrCompression, 4> kCompressions{{{ExrCompression::kNone, "none"
                                                   {ExrCompression::kDwaa, "dwaa"}}};
 
 template <typename Enum, size_t N>
-std::string_view WordOf(const Words<Enum, N>& words, Enum value) {
+absl::string_view WordOf(const Words<Enum, N>& words, Enum value) {
   for (const auto& [candidate, word] : words) {
     if (candidate == value) return word;
   }
@@ -34,14 +34,14 @@ std::string_view WordOf(const Words<Enum, N>& words, Enum value) {
 }
 
 template <typename Enum, size_t N>
-std::optional<Enum> ValueOf(const Words<Enum, N>& words, std::string_view word) {
+std::optional<Enum> ValueOf(const Words<Enum, N>& words, absl::string_view word) {
   for (const auto& [value, candidate] : words) {
     if (candidate == word) return value;
   }
   return std::nullopt;
 }
 
-absl::Status OutOfRange(std::string_view field, double value, std::string_view range) {
+absl::Status OutOfRange(absl::string_view field, double value, absl::string_view range) {
   return absl::InvalidArgumentError(
       absl::StrCat("render settings: ", field, " is ", value, ", but must be ", range));
 }
@@ -52,7 +52,8 @@ absl::Status Validate(const RenderSettings& s) {
   const std::string side = absl::StrCat("1 to ", kMaxFrameSide);
   if (s.width < 1 || s.width > kMaxFrameSide) return OutOfRange("width", s.width, side);
   if (s.height < 1 || s.height > kMaxFrameSide) return OutOfRange("height", s.height, side);
-  if (!std::isfinite(s.fps) || s.fps <= 0 || s.fps > 1e6) return OutOfRange("fps", s.fps, "above 0 and at most 1e6");
+  if (!std::isfinite(s.fps) || s.fps <= 0 || s.fps > 1e6)
+    return OutOfRange("fps", s.fps, "above 0 and at most 1e6");
   if (!std::isfinite(s.shutter_open) || std::abs(s.shutter_open) > 1e6) {
     return OutOfRange("shutter_open", s.shutter_open, "finite and within ±1e6 frames");
   }
@@ -60,7 +61,8 @@ absl::Status Validate(const RenderSettings& s) {
     return OutOfRange("shutter_close", s.shutter_close, "finite and within ±1e6 frames");
   }
   if (s.shutter_close < s.shutter_open) {
-    return OutOfRange("shutter_close", s.shutter_close, absl::StrCat("at least shutter_open (", s.shutter_open, ")"));
+    return OutOfRange("shutter_close", s.shutter_close,
+                      absl::StrCat("at least shutter_open (", s.shutter_open, ")"));
   }
   if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
     return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");
@@ -72,15 +74,35 @@ absl::Status Validate(const RenderSettings& s) {
   return absl::OkStatus();
 }
 
-std::string_view ToString(IntegratorKind kind) { return WordOf(kIntegrators, kind); }
-std::string_view ToString(PatternKind kind) { return WordOf(kPatterns, kind); }
-std::string_view ToString(ResolverKind kind) { return WordOf(kResolvers, kind); }
-std::string_view ToString(PixelType type) { return WordOf(kPixelTypes, type); }
-std::string_view ToString(ExrCompression compression) { return WordOf(kCompressions, compression); }
-std::optional<IntegratorKind> ParseIntegrator(std::string_view word) { return ValueOf(kIntegrators, word); }
-std::optional<PatternKind> ParsePattern(std::string_view word) { return ValueOf(kPatterns, word); }
-std::optional<ResolverKind> ParseResolver(std::string_view word) { return ValueOf(kResolvers, word); }
-std::optional<PixelType> ParsePixelType(std::string_view word) { return ValueOf(kPixelTypes, word); }
-std::optional<ExrCompression> ParseExrCompression(std::string_view word) { return ValueOf(kCompressions, word); }
+absl::string_view ToString(IntegratorKind kind) {
+  return WordOf(kIntegrators, kind);
+}
+absl::string_view ToString(PatternKind kind) {
+  return WordOf(kPatterns, kind);
+}
+absl::string_view ToString(ResolverKind kind) {
+  return WordOf(kResolvers, kind);
+}
+absl::string_view ToString(PixelType type) {
+  return WordOf(kPixelTypes, type);
+}
+absl::string_view ToString(ExrCompression compression) {
+  return WordOf(kCompressions, compression);
+}
+std::optional<IntegratorKind> ParseIntegrator(absl::string_view word) {
+  return ValueOf(kIntegrators, word);
+}
+std::optional<PatternKind> ParsePattern(absl::string_view word) {
+  return ValueOf(kPatterns, word);
+}
+std::optional<ResolverKind> ParseResolver(absl::string_view word) {
+  return ValueOf(kResolvers, word);
+}
+std::optional<PixelType> ParsePixelType(absl::string_view word) {
+  return ValueOf(kPixelTypes, word);
+}
+std::optional<ExrCompression> ParseExrCompression(absl::string_view word) {
+  return ValueOf(kCompressions, word);
+}
 
 }  // namespace shutterline

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <absl/strings/string_view.h>
 
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace shutterline {
 
@@ -19,9 +19,9 @@ enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
 /// frame and engine build are equal to the last bit.
 struct RenderSettings {
   // --- Camera and time ---------------------------------------------------------------------------
-  int width = 1024;   ///< Pixels, 1 to kMaxFrameSide.
-  int height = 768;   ///< Pixels, 1 to kMaxFrameSide.
-  double fps = 24;    ///< Frames a second of animation; frame f's time is f / fps seconds.
+  int width = 1024;  ///< Pixels, 1 to kMaxFrameSide.
+  int height = 768;  ///< Pixels, 1 to kMaxFrameSide.
+  double fps = 24;   ///< Frames a second of animation; frame f's time is f / fps seconds.
   /// Shutter open and close in frames relative to the frame, as in USD. Open <= close; equal means a still.
   double shutter_open = 0;
   double shutter_close = 0.5;
@@ -33,15 +33,15 @@ struct RenderSettings {
 
   // --- Method ------------------------------------------------------------------------------------
   IntegratorKind integrator = IntegratorKind::kLine;
-  PatternKind pattern = PatternKind::kRgls;       ///< Line integrator: which line samples.
-  ResolverKind resolver = ResolverKind::kSlice;   ///< Line integrator: how visibility is resolved.
+  PatternKind pattern = PatternKind::kRgls;      ///< Line integrator: which line samples.
+  ResolverKind resolver = ResolverKind::kSlice;  ///< Line integrator: how visibility is resolved.
   /// Line integrator: pixels of motion between two instants of a line; smaller is slower and more exact.
   double time_step = 1.0;
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
-  int spp = 64;        ///< Reference integrator: points (x, y, t) a pixel, 1 to kMaxSpp.
-  uint64_t seed = 0;   ///< Reference integrator: frames of different seeds are independent estimates.
+  int spp = 64;       ///< Reference integrator: points (x, y, t) a pixel, 1 to kMaxSpp.
+  uint64_t seed = 0;  ///< Reference integrator: frames of different seeds are independent estimates.
 
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
@@ -64,15 +64,15 @@ absl::Status Validate(const RenderSettings& settings);
 
 /// The words of the command line and of EXR headers ("rgls", "slice", "half", ...). Each Parse accepts
 /// exactly what ToString returns and otherwise returns nullopt.
-std::string_view ToString(IntegratorKind kind);
-std::string_view ToString(PatternKind kind);
-std::string_view ToString(ResolverKind kind);
-std::string_view ToString(PixelType type);
-std::string_view ToString(ExrCompression compression);
-std::optional<IntegratorKind> ParseIntegrator(std::string_view word);
-std::optional<PatternKind> ParsePattern(std::string_view word);
-std::optional<ResolverKind> ParseResolver(std::string_view word);
-std::optional<PixelType> ParsePixelType(std::string_view word);
-std::optional<ExrCompression> ParseExrCompression(std::string_view word);
+absl::string_view ToString(IntegratorKind kind);
+absl::string_view ToString(PatternKind kind);
+absl::string_view ToString(ResolverKind kind);
+absl::string_view ToString(PixelType type);
+absl::string_view ToString(ExrCompression compression);
+std::optional<IntegratorKind> ParseIntegrator(absl::string_view word);
+std::optional<PatternKind> ParsePattern(absl::string_view word);
+std::optional<ResolverKind> ParseResolver(absl::string_view word);
+std::optional<PixelType> ParsePixelType(absl::string_view word);
+std::optional<ExrCompression> ParseExrCompression(absl::string_view word);
 
 }  // namespace shutterline

@@ -29,7 +29,8 @@ struct TileGrid {
   TileRect Rect(int index) const {
     const int x = index % Columns() * kTileSize;
     const int y = index / Columns() * kTileSize;
-    return {x, y, width - x < kTileSize ? width - x : kTileSize, height - y < kTileSize ? height - y : kTileSize};
+    return {x, y, width - x < kTileSize ? width - x : kTileSize,
+            height - y < kTileSize ? height - y : kTileSize};
   }
 };
 

@@ -47,7 +47,9 @@ struct RasterPoint {
   friend RasterPoint operator-(const RasterPoint& a, const RasterPoint& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w};
   }
-  friend RasterPoint operator*(double s, const RasterPoint& p) { return {s * p.x, s * p.y, s * p.z, s * p.w}; }
+  friend RasterPoint operator*(double s, const RasterPoint& p) {
+    return {s * p.x, s * p.y, s * p.z, s * p.w};
+  }
   friend bool operator==(const RasterPoint&, const RasterPoint&) = default;
 
   bool IsFinite() const {

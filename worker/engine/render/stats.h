@@ -7,13 +7,13 @@ namespace shutterline::engine {
 /// Counts and stage times of the tiles rendered so far; plain sums, added up by the caller.
 struct RenderStats {
   int64_t tiles = 0;
-  int64_t candidate_triangles = 0;   ///< Triangles that reached a tile after culling.
-  int64_t lines = 0;                 ///< Line samples resolved.
-  int64_t instants = 0;              ///< (line, instant) pairs resolved; rays for the reference.
-  int64_t segments = 0;              ///< Triangle segments made on lines.
-  int64_t spans = 0;                 ///< Visible spans.
-  int64_t pairs = 0;                 ///< (triangle, pixel) pairs shaded.
-  int64_t clamped_lines = 0;         ///< Lines whose motion asked for more instants than the maximum.
+  int64_t candidate_triangles = 0;  ///< Triangles that reached a tile after culling.
+  int64_t lines = 0;                ///< Line samples resolved.
+  int64_t instants = 0;             ///< (line, instant) pairs resolved; rays for the reference.
+  int64_t segments = 0;             ///< Triangle segments made on lines.
+  int64_t spans = 0;                ///< Visible spans.
+  int64_t pairs = 0;                ///< (triangle, pixel) pairs shaded.
+  int64_t clamped_lines = 0;        ///< Lines whose motion asked for more instants than the maximum.
   // Seconds of thread time.
   double cull_seconds = 0;
   double setup_seconds = 0;

@@ -25,8 +25,7 @@ class TileIntegrator {
 
 /// The integrator that `settings.integrator` names, ready to render `frame` (for the reference: the frame
 /// number seeds the samples). Builds what the method needs, as its BVH, with up to `threads` threads.
-absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(std::shared_ptr<const FrameScene> frame_scene,
-                                                                   int frame, const RenderSettings& settings,
-                                                                   int threads);
+absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
+    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads);
 
 }  // namespace shutterline::engine

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <absl/status/statusor.h>
+#include <absl/strings/string_view.h>
 
 #include <string>
-#include <string_view>
 
 namespace shutterline::engine {
 
@@ -19,7 +19,7 @@ class AssetSource {
   /// The bytes of the root file or of a file beside it, by its decoded relative URI. NOT_FOUND where
   /// there is none, RESOURCE_EXHAUSTED where it is larger than `max_bytes`, INVALID_ARGUMENT where the
   /// URI is absolute or leaves the root's folder.
-  virtual absl::StatusOr<std::string> Read(std::string_view relative_uri, uint64_t max_bytes) const = 0;
+  virtual absl::StatusOr<std::string> Read(absl::string_view relative_uri, uint64_t max_bytes) const = 0;
 };
 
 }  // namespace shutterline::engine

@@ -18,13 +18,13 @@ namespace shutterline::engine {
 /// *motion* is not here but in the vertices: they are given relative to the moving camera.
 struct FrameView {
   bool perspective = true;
-  int width = 0, height = 0;   ///< Pixels.
+  int width = 0, height = 0;  ///< Pixels.
   /// x_raster = scale_x * x_view + center_x * w, y_raster = -scale_y * y_view + center_y * w, with
   /// w = -z_view (perspective) or 1 (orthographic).
   double scale_x = 1, scale_y = 1;
   double center_x = 0, center_y = 0;
-  double znear = 0.1;   ///< Metres, > 0 for perspective.
-  double zfar = 0;      ///< 0: infinite.
+  double znear = 0.1;  ///< Metres, > 0 for perspective.
+  double zfar = 0;     ///< 0: infinite.
 
   RasterPoint RasterFromView(const V3d& p) const;
   V3d ViewFromRaster(const RasterPoint& p) const;
@@ -34,11 +34,11 @@ struct FrameView {
 
 /// A mesh primitive placed by a node, in this frame.
 struct FramePrimitive {
-  const MeshPrimitive* source = nullptr;   ///< Texture coordinates, colours; owned by the Scene.
+  const MeshPrimitive* source = nullptr;  ///< Texture coordinates, colours; owned by the Scene.
   const Material* material = nullptr;
   int node = -1;
-  uint32_t first_triangle = 0, triangle_count = 0;   ///< In FrameScene::triangles.
-  uint32_t first_vertex = 0, vertex_count = 0;       ///< Vertices are numbered through all primitives.
+  uint32_t first_triangle = 0, triangle_count = 0;  ///< In FrameScene::triangles.
+  uint32_t first_vertex = 0, vertex_count = 0;      ///< Vertices are numbered through all primitives.
   /// Degree of motion, 0 or 1. Vertex v's control points are
   /// control_points[first_control_point + (v - first_vertex) * (degree + 1) + i], i = 0..degree.
   int degree = 0;
@@ -55,7 +55,7 @@ struct FramePrimitive {
 };
 
 struct FrameTriangle {
-  std::array<uint32_t, 3> vertices;   ///< Global numbers. Seen from the front: counter-clockwise, y up.
+  std::array<uint32_t, 3> vertices;  ///< Global numbers. Seen from the front: counter-clockwise, y up.
   uint32_t primitive;
 };
 
@@ -71,7 +71,7 @@ struct FrameScene {
   std::vector<V3f> normals;
   /// For people: primitives whose true path leaves the linear one by more than 0.5 px, dropped vertices.
   std::vector<std::string> warnings;
-  int64_t dropped_triangles = 0;   ///< With a control point that is not finite.
+  int64_t dropped_triangles = 0;  ///< With a control point that is not finite.
 
   const RasterPoint& ControlPoint(const FramePrimitive& primitive, uint32_t vertex, int i) const {
     return control_points[primitive.first_control_point +
@@ -90,8 +90,8 @@ struct FrameScene {
 /// evaluated exactly at shutter open and close (and at check times in between, for the warnings).
 /// INVALID_ARGUMENT where `settings` names a camera or an animation that the scene does not have (the
 /// message lists those that it has); RESOURCE_EXHAUSTED where instancing exceeds 2^32 - 2 triangles.
-absl::StatusOr<std::shared_ptr<const FrameScene>> BuildFrameScene(std::shared_ptr<const Scene> scene, int frame,
-                                                                  const RenderSettings& settings);
+absl::StatusOr<std::shared_ptr<const FrameScene>> BuildFrameScene(std::shared_ptr<const Scene> scene,
+                                                                  int frame, const RenderSettings& settings);
 
 /// The checks of BuildFrameScene on names alone, without building anything.
 absl::Status ValidateAgainstScene(const Scene& scene, const RenderSettings& settings);

@@ -14,13 +14,13 @@ namespace shutterline::engine {
 
 /// Upper bounds on what a file may ask for, checked before memory is taken.
 struct ImportLimits {
-  uint64_t max_file_bytes = uint64_t{2} << 30;        ///< Of each file, and of all buffers together.
-  uint64_t max_vertices = uint64_t{1} << 28;          ///< Stored, all meshes.
-  uint64_t max_triangles = uint64_t{1} << 28;         ///< Stored, all meshes.
-  uint64_t max_texture_pixels = uint64_t{1} << 28;    ///< All images.
+  uint64_t max_file_bytes = uint64_t{2} << 30;      ///< Of each file, and of all buffers together.
+  uint64_t max_vertices = uint64_t{1} << 28;        ///< Stored, all meshes.
+  uint64_t max_triangles = uint64_t{1} << 28;       ///< Stored, all meshes.
+  uint64_t max_texture_pixels = uint64_t{1} << 28;  ///< All images.
   uint32_t max_image_side = 16384;
   uint32_t max_nodes = 1 << 20;
-  uint32_t max_depth = 512;                           ///< Of the node tree and of the JSON.
+  uint32_t max_depth = 512;  ///< Of the node tree and of the JSON.
 };
 
 /// Imports a glTF 2.0 (.gltf, JSON) or GLB file; what it is, is read from its first bytes.
@@ -29,10 +29,12 @@ struct ImportLimits {
 /// that we do not support), NOT_FOUND (a file), RESOURCE_EXHAUSTED (a limit). A message names file,
 /// element and reason: "load scene fox.glb: accessor 7: byteOffset 120 + 36 × 12 exceeds bufferView 2
 /// (length 400)". A file without anything to draw is an error too.
-absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& source, const ImportLimits& limits = {});
+absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& source,
+                                                        const ImportLimits& limits = {});
 
 /// The relative URIs, decoded, of the external files that the root file's `buffers` and `images` name,
 /// each once, in order. For clients that upload a scene. Errors as above.
-absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source, const ImportLimits& limits = {});
+absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source,
+                                                           const ImportLimits& limits = {});
 
 }  // namespace shutterline::engine

@@ -19,8 +19,8 @@ namespace shutterline::engine {
 
 /// A texture as a material names it.
 struct TextureRef {
-  int texture = -1;   ///< Index into Scene::textures.
-  int texcoord = 0;   ///< Which texture coordinate set: 0 or 1.
+  int texture = -1;  ///< Index into Scene::textures.
+  int texcoord = 0;  ///< Which texture coordinate set: 0 or 1.
 };
 
 struct Material {
@@ -29,8 +29,8 @@ struct Material {
   TextureRef base_color_texture;
   V3f emissive_factor{0, 0, 0};
   TextureRef emissive_texture;
-  bool unlit = false;          ///< KHR_materials_unlit.
-  bool double_sided = false;   ///< False: triangles seen from behind are culled.
+  bool unlit = false;         ///< KHR_materials_unlit.
+  bool double_sided = false;  ///< False: triangles seen from behind are culled.
 };
 
 enum class WrapMode : uint8_t { kRepeat, kClampToEdge, kMirroredRepeat };
@@ -38,7 +38,7 @@ enum class WrapMode : uint8_t { kRepeat, kClampToEdge, kMirroredRepeat };
 struct Texture {
   int image = -1;
   WrapMode wrap_s = WrapMode::kRepeat, wrap_t = WrapMode::kRepeat;
-  bool nearest = false;   ///< The sampler asks for nearest magnification.
+  bool nearest = false;  ///< The sampler asks for nearest magnification.
 };
 
 /// 8 bits a channel, RGBA, rows from the top, sRGB encoded colour and linear alpha.
@@ -64,20 +64,20 @@ struct VertexInfluences {
 /// Triangles that share a material. Strips and fans have been cut into triangles with glTF's winding.
 /// Vertices that are not finite stay in `positions`; triangles that use them are not in `triangles`.
 struct MeshPrimitive {
-  std::vector<V3f> positions;                    ///< Object space.
-  std::vector<V3f> normals;                      ///< Empty, or one a position.
-  std::array<std::vector<V2f>, 2> texcoords;     ///< Each empty, or one a position.
-  std::vector<V4f> colors;                       ///< COLOR_0, linear: empty, or one a position.
-  std::vector<VertexInfluences> influences;      ///< Empty, or one a position.
+  std::vector<V3f> positions;                 ///< Object space.
+  std::vector<V3f> normals;                   ///< Empty, or one a position.
+  std::array<std::vector<V2f>, 2> texcoords;  ///< Each empty, or one a position.
+  std::vector<V4f> colors;                    ///< COLOR_0, linear: empty, or one a position.
+  std::vector<VertexInfluences> influences;   ///< Empty, or one a position.
   std::vector<MorphTarget> targets;
-  std::vector<std::array<uint32_t, 3>> triangles;   ///< Counter-clockwise seen from the front.
-  int material = 0;                              ///< Always valid: the default material is appended.
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< Counter-clockwise seen from the front.
+  int material = 0;                                ///< Always valid: the default material is appended.
 };
 
 struct Mesh {
   std::string name;
-  std::vector<MeshPrimitive> primitives;   ///< Those with triangles.
-  std::vector<float> weights;              ///< Default morph weights, one a target.
+  std::vector<MeshPrimitive> primitives;  ///< Those with triangles.
+  std::vector<float> weights;             ///< Default morph weights, one a target.
 };
 
 /// A node's own transform: translation, rotation and scale, or a matrix where the file has one (matrix
@@ -86,7 +86,7 @@ struct NodeTransform {
   bool has_matrix = false;
   M44d matrix;
   V3d translation{0, 0, 0};
-  Quatd rotation;   ///< Unit.
+  Quatd rotation;  ///< Unit.
   V3d scale{1, 1, 1};
 };
 
@@ -96,13 +96,13 @@ struct Node {
   std::vector<int> children;
   NodeTransform transform;
   int mesh = -1, skin = -1, camera = -1;
-  std::vector<float> weights;   ///< Morph weights that override the mesh's; empty: the mesh's.
+  std::vector<float> weights;  ///< Morph weights that override the mesh's; empty: the mesh's.
 };
 
 struct Skin {
   std::string name;
-  std::vector<int> joints;                   ///< Nodes.
-  std::vector<M44d> inverse_bind_matrices;   ///< One a joint.
+  std::vector<int> joints;                  ///< Nodes.
+  std::vector<M44d> inverse_bind_matrices;  ///< One a joint.
 };
 
 enum class Interpolation : uint8_t { kStep, kLinear, kCubicSpline };
@@ -114,7 +114,7 @@ struct AnimationChannel {
   int node = -1;
   AnimatedPath path = AnimatedPath::kTranslation;
   Interpolation interpolation = Interpolation::kLinear;
-  int width = 3;   ///< 3, 4 (rotation) or the number of morph targets.
+  int width = 3;  ///< 3, 4 (rotation) or the number of morph targets.
   std::vector<float> times;
   std::vector<float> values;
 };
@@ -131,24 +131,24 @@ struct Camera {
   double aspect_ratio = 0;    ///< Perspective: width / height; 0: the frame's.
   double xmag = 1, ymag = 1;  ///< Orthographic: half the width and half the height of the view, metres.
   double znear = 0.1;
-  double zfar = 0;            ///< 0: infinite (perspective only).
+  double zfar = 0;  ///< 0: infinite (perspective only).
 };
 
 /// What the importer met and did not take, for people: each line names element and reason.
 struct ImportReport {
   std::vector<std::string> warnings;
-  int64_t skipped_points = 0;        ///< Point primitives' vertices.
-  int64_t skipped_lines = 0;         ///< Line segments.
-  int64_t dropped_triangles = 0;     ///< With a vertex that is not finite.
-  int64_t stored_triangles = 0;      ///< Triangles stored, shared ones counted once.
+  int64_t skipped_points = 0;     ///< Point primitives' vertices.
+  int64_t skipped_lines = 0;      ///< Line segments.
+  int64_t dropped_triangles = 0;  ///< With a vertex that is not finite.
+  int64_t stored_triangles = 0;   ///< Triangles stored, shared ones counted once.
 };
 
 struct Scene {
-  std::string name;   ///< The root file's name.
-  std::vector<int> roots;   ///< Nodes of the default scene.
+  std::string name;        ///< The root file's name.
+  std::vector<int> roots;  ///< Nodes of the default scene.
   std::vector<Node> nodes;
   std::vector<Mesh> meshes;
-  std::vector<Material> materials;   ///< The last one is glTF's default material.
+  std::vector<Material> materials;  ///< The last one is glTF's default material.
   std::vector<Texture> textures;
   std::vector<TextureImage> images;
   std::vector<Skin> skins;
