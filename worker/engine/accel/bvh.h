@@ -1,0 +1,30 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/job/tile.h"
+#include "worker/engine/scene/frame_scene.h"
+
+namespace shutterline::engine {
+
+/// A bounding volume hierarchy over the triangles of a frame, each bounded over the whole shutter (the
+/// hull of its control points), built with Embree's builder. Answers which triangles a tile may see.
+/// Immutable once built; any number of threads may query it.
+class Bvh {
+ public:
+  virtual ~Bvh() = default;
+
+  /// Builds with up to `threads` threads. INTERNAL if Embree fails.
+  static absl::StatusOr<std::unique_ptr<const Bvh>> Build(std::shared_ptr<const FrameScene> frame, int threads);
+
+  /// Appends to `triangles` every triangle that, at some instant of the shutter, may be seen through
+  /// `rect` between the near and the far plane: none is missed, few are superfluous, each comes once.
+  /// Their order is not specified.
+  virtual void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const = 0;
+};
+
+}  // namespace shutterline::engine
