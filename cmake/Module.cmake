@@ -1,8 +1,9 @@
 # add_module(NAME n SRCS a.cpp ... HDRS a.h ... DEPS modules ... LIBS third parties ...)
 #
-# One module per folder. DEPS name modules of ours, LIBS libraries of others; a module may include
-# only its own headers and those of its DEPS (not of their DEPS), which the `layers` test checks
-# against the manifest written by write_module_manifest().
+# DEPS name modules of ours, LIBS libraries of others; a module may include only its own headers and
+# those of its DEPS (not of their DEPS), which the `layers` test checks against the manifest written by
+# write_module_manifest(). A module usually is a folder; several may share one, because the manifest says
+# which file belongs to which module. Every source and header of ours belongs to exactly one.
 define_property(GLOBAL PROPERTY SHUTTERLINE_MODULES)
 function(add_module)
   cmake_parse_arguments(M "" "NAME" "SRCS;HDRS;DEPS;LIBS" ${ARGN})
@@ -15,7 +16,7 @@ function(add_module)
     target_include_directories(${M_NAME} INTERFACE "${PROJECT_SOURCE_DIR}")
     target_link_libraries(${M_NAME} INTERFACE ${M_DEPS} ${M_LIBS})
   endif()
-  record_module(${M_NAME} "${M_DEPS}")
+  record_module(${M_NAME} "${M_DEPS}" "${M_SRCS};${M_HDRS}")
 endfunction()
 
 # add_program(NAME n OUTPUT file-name SRCS ... DEPS ... LIBS ...)
@@ -27,17 +28,30 @@ function(add_program)
   if(M_OUTPUT)
     set_target_properties(${M_NAME} PROPERTIES OUTPUT_NAME ${M_OUTPUT})
   endif()
-  record_module(${M_NAME} "${M_DEPS}")
+  record_module(${M_NAME} "${M_DEPS}" "${M_SRCS}")
 endfunction()
 
-function(record_module name deps)
+# One block of the manifest: four lines, each a key and the words that it holds (perhaps none). Paths are
+# relative to the project's root; generated files are left out.
+function(record_module name deps files)
   file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
-  list(JOIN deps "," deps)
-  set_property(GLOBAL APPEND PROPERTY SHUTTERLINE_MODULES "${name} ${folder} ${deps}")
+  set(paths)
+  foreach(file ${files})
+    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
+    cmake_path(IS_PREFIX PROJECT_BINARY_DIR "${file}" generated)
+    if(NOT generated)
+      cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
+      list(APPEND paths "${file}")
+    endif()
+  endforeach()
+  list(JOIN deps " " deps)
+  list(JOIN paths " " paths)
+  set_property(GLOBAL APPEND PROPERTY SHUTTERLINE_MODULES
+    "module ${name}\nfolder ${folder}\ndeps ${deps}\nfiles ${paths}\n")
 endfunction()
 
 function(write_module_manifest file)
   get_property(modules GLOBAL PROPERTY SHUTTERLINE_MODULES)
   list(JOIN modules "\n" text)
-  file(WRITE "${file}" "${text}\n")
+  file(WRITE "${file}" "${text}")
 endfunction()
