@@ -19,7 +19,8 @@ function(add_module)
   record_module(${M_NAME} "${M_DEPS}" "${M_SRCS};${M_HDRS}")
 endfunction()
 
-# add_program(NAME n OUTPUT file-name SRCS ... DEPS ... LIBS ...)
+# add_program(NAME n OUTPUT file-name SRCS ... DEPS ... LIBS ...). The target `programs` builds them all.
+add_custom_target(programs)
 function(add_program)
   cmake_parse_arguments(M "" "NAME;OUTPUT" "SRCS;DEPS;LIBS" ${ARGN})
   add_executable(${M_NAME} ${M_SRCS})
@@ -28,6 +29,7 @@ function(add_program)
   if(M_OUTPUT)
     set_target_properties(${M_NAME} PROPERTIES OUTPUT_NAME ${M_OUTPUT})
   endif()
+  add_dependencies(programs ${M_NAME})
   record_module(${M_NAME} "${M_DEPS}" "${M_SRCS}")
 endfunction()
 
