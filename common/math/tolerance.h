@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+/// Every epsilon and resolution of the engine, with its unit, its reason and the test that guards it.
+/// There is no other: what is not here is compared exactly.
+namespace shutterline {
+
+/// Positions along a line sample are integers of 2^-24 pixel. Two triangles that share an edge compute
+/// its crossing from the same numbers, hence round it to the same integer, and lengths of spans add up
+/// without any rounding: coverage of a pixel sums to exactly one. 2^-24 px is far below what a picture
+/// can show, and a line of 64 pixels still fits 32 bits. Guarded by `ClosedMeshCoversExactly`.
+inline constexpr int kSubpixelBits = 24;
+inline constexpr int32_t kSubpixelsPerPixel = int32_t{1} << kSubpixelBits;
+
+/// The longest side of a rectangle that the line integrator resolves at once, pixels: its lines' ends
+/// must fit a signed 32-bit subpixel position. Larger rectangles are cut. Guarded by
+/// `TilePartitionDoesNotMatter`.
+inline constexpr int kMaxLinePixels = 64;
+
+/// A triangle's nearest depth is enlarged by this factor before it is compared with what lies in front:
+/// both have been rounded a few times (2^-53 each), and a wrong cull would be seen while a missed one
+/// costs nothing. Guarded by `StackedLayers` and `CoplanarDuplicates`.
+inline constexpr double kDepthSlack = 1 + 1e-12;
+
+/// Line numbers are ranges of integers computed from raster positions in double precision; each end is
+/// widened by this fraction of the spacing so that rounding never loses a line. Superfluous lines are
+/// rejected exactly by signs. Guarded by `LineRangesAreConservative`.
+inline constexpr double kLineRangeSlack = 1e-6;
+
+/// Motion along the shutter that no bound is known for, because the triangle crosses the near plane, is
+/// taken as this many pixels when the number of instants is chosen. Not a bound on correctness: only on
+/// how finely time is cut there.
+inline constexpr double kNearCrossingMotionPixels = 64;
+
+}  // namespace shutterline

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/job/tile.h"
+
+namespace shutterline::engine {
+
+/// What one pixel sees of one triangle (within one shading bin of the shutter): the weight of the
+/// pieces of lines and the mean position on the triangle, if it was asked for.
+struct PixelPair {
+  uint32_t triangle = 0;   ///< Index into FrameScene::triangles.
+  uint32_t bin = 0;        ///< Shading bin: b of 2^shading_bins_log2 equal spans of the shutter.
+  uint64_t weight = 0;     ///< Of PairWeights::total(): an exact integer.
+  double b1 = 0, b2 = 0;   ///< Σ weight × barycentric coordinate; divide by weight.
+  uint32_t next = 0;       ///< The pixel's next pair, 0: none. Internal.
+};
+
+/// Weights of (triangle, pixel) pairs over a tile.
+///
+/// Weights are integers: subpixels along the line times the instant's weight. They are exact, so their
+/// sum does not depend on any order, and the sum over a pixel's triangles and its background is exactly
+/// total() [design: prefer counting to measuring].
+class PairWeights {
+ public:
+  /// Empties, for a tile of `pixels` pixels whose every pixel has the weight `total`.
+  void Reset(int64_t pixels, uint64_t total);
+
+  /// Adds `weight` to the pair; `b1`, `b2` are the mean barycentric coordinates of the piece (zeros where
+  /// they are not wanted). `pixel` counts in rows within the tile.
+  void Add(int64_t pixel, uint32_t triangle, uint32_t bin, uint64_t weight, double b1, double b2);
+
+  uint64_t total() const { return total_; }
+
+  /// Calls visit(const PixelPair&) for each pair of the pixel. The order is that of first arrival,
+  /// latest first: sort by something that means something before adding floating-point numbers up.
+  template <typename Visit>
+  void ForEach(int64_t pixel, const Visit& visit) const {
+    for (uint32_t i = first_[size_t(pixel)]; i != 0; i = pairs_[i].next) visit(pairs_[i]);
+  }
+
+ private:
+  std::vector<uint32_t> first_;    // By pixel: index into pairs_, 0: none.
+  std::vector<PixelPair> pairs_;   // Entry 0 is unused.
+  uint64_t total_ = 0;
+};
+
+}  // namespace shutterline::engine
