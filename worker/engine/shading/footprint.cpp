@@ -1,0 +1,29 @@
+#include "worker/engine/shading/footprint.h"
+
+#include <cmath>
+
+namespace shutterline::engine {
+
+Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at) {
+  const RasterPoint edge1 = vertices[1] - vertices[0];
+  const RasterPoint edge2 = vertices[2] - vertices[0];
+  const RasterPoint p = vertices[0] + (at.b1 * edge1 + at.b2 * edge2);
+  if (!(p.w > 0)) return {};
+  // Differentiate (X / W, Y / W) by the quotient rule.
+  const double x = p.x / p.w;
+  const double y = p.y / p.w;
+  const double dx_db1 = (edge1.x - x * edge1.w) / p.w;
+  const double dx_db2 = (edge2.x - x * edge2.w) / p.w;
+  const double dy_db1 = (edge1.y - y * edge1.w) / p.w;
+  const double dy_db2 = (edge2.y - y * edge2.w) / p.w;
+  const double determinant = dx_db1 * dy_db2 - dx_db2 * dy_db1;
+  const Footprint footprint{.db1_dx = dy_db2 / determinant,
+                            .db1_dy = -dx_db2 / determinant,
+                            .db2_dx = -dy_db1 / determinant,
+                            .db2_dy = dx_db1 / determinant};
+  const bool finite = std::isfinite(footprint.db1_dx) && std::isfinite(footprint.db1_dy) &&
+                      std::isfinite(footprint.db2_dx) && std::isfinite(footprint.db2_dy);
+  return finite ? footprint : Footprint{};
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "common/math/spaces.h"
+#include "worker/engine/shading/shade.h"
+
+namespace shutterline::engine {
+
+/// How barycentric coordinates change from pixel to pixel at a point of a projected triangle, `vertices`
+/// in homogeneous raster space: the inverse of the Jacobian of raster position with respect to (b1, b2).
+/// Zeros where the triangle is seen edge-on, so that it has no such inverse, or the point is not in
+/// front of the camera.
+Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at);
+
+}  // namespace shutterline::engine
