@@ -25,6 +25,7 @@ missing_packages() {
 
 # Installs what is missing, as root or through sudo. Needs no network where nothing is missing.
 install_packages() {
+  [[ -r $root/deploy/packages.txt ]] || die "$root/deploy/packages.txt is missing"
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     die "this needs Debian 12 (no dpkg-query or apt-get here); install by hand what deploy/packages.txt names"
   fi
