@@ -1,0 +1,161 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfFramesPerSecond.h>
+#include <ImfHeader.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledOutputFile.h>
+#include <absl/strings/str_cat.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <set>
+#include <vector>
+
+#include "common/base/atomic_file.h"
+#include "common/base/status_macros.h"
+#include "common/image/exr.h"
+#include "common/image/exr_stream.h"
+#include "common/job/tile.h"
+
+namespace shutterline {
+namespace {
+
+Imf::Compression LibraryCompression(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::kZip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::kPiz:
+      return Imf::PIZ_COMPRESSION;
+    case ExrCompression::kDwaa:
+      return Imf::DWAA_COMPRESSION;
+  }
+  return Imf::ZIP_COMPRESSION;
+}
+
+half HalfOf(float value) {
+  if (std::isfinite(value)) value = std::clamp(value, -float(HALF_MAX), float(HALF_MAX));
+  return half(value);
+}
+
+absl::Status CheckImage(const Image& image) {
+  if (image.width() < 1 || image.height() < 1 || image.width() > kMaxFrameSide ||
+      image.height() > kMaxFrameSide) {
+    return absl::InvalidArgumentError(absl::StrCat("an image of ", image.width(), " × ", image.height(),
+                                                   " pixels; each side must be 1 to ", kMaxFrameSide));
+  }
+  std::set<std::string> names;
+  for (const std::string& name : image.channels()) {
+    if (name.empty() || name.size() > 255 || name.find('\0') != std::string::npos) {
+      return absl::InvalidArgumentError("a channel's name must be 1 to 255 bytes without NUL");
+    }
+    if (!names.insert(name).second) {
+      return absl::InvalidArgumentError(absl::StrCat("two channels are named '", name, "'"));
+    }
+  }
+  return names.empty() ? absl::InvalidArgumentError("an image without channels") : absl::OkStatus();
+}
+
+/// Throws what the library throws for names that it reserves.
+absl::Status PutMetadata(const ExrMetadata& metadata, Imf::Header& header) {
+  header.pixelAspectRatio() = metadata.pixel_aspect_ratio;
+  if (metadata.frames_per_second) {
+    const FrameRate rate = *metadata.frames_per_second;
+    if (rate.numerator < 1 || rate.denominator < 1) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("framesPerSecond is ", rate.numerator, "/", rate.denominator, ", must be positive"));
+    }
+    Imf::addFramesPerSecond(header, Imf::Rational(rate.numerator, rate.denominator));
+  }
+  if (!metadata.capture_date.empty()) Imf::addCapDate(header, metadata.capture_date);
+  if (metadata.world_to_camera) Imf::addWorldToCamera(header, Imath::M44f(*metadata.world_to_camera));
+  if (metadata.world_to_ndc) Imf::addWorldToNDC(header, Imath::M44f(*metadata.world_to_ndc));
+  for (const auto& [name, value] : metadata.strings) {
+    if (name.empty() || name.size() > 255 || name.find('\0') != std::string::npos) {
+      return absl::InvalidArgumentError("an attribute's name must be 1 to 255 bytes without NUL");
+    }
+    if (header.find(name) != header.end()) {
+      return absl::InvalidArgumentError(absl::StrCat("attribute '", name, "' is already set"));
+    }
+    header.insert(name, Imf::StringAttribute(value));
+  }
+  return absl::OkStatus();
+}
+
+/// Tiles are handed to the library a row at a time, in order and by one thread, so the order of their
+/// bytes is fixed and only one row is held in the file's pixel type.
+template <typename Value>
+void WriteTiles(const Image& image, Imf::PixelType type, Imf::TiledOutputFile& file) {
+  const size_t width = size_t(image.width()), channels = size_t(image.channel_count());
+  std::vector<Value> rows(width * size_t(kTileSize) * channels);
+  for (int row = 0; row < file.numYTiles(0); ++row) {
+    const int top = row * kTileSize;
+    const size_t count = size_t(std::min(kTileSize, image.height() - top)) * width * channels;
+    const float* source = image.At(0, top);
+    for (size_t i = 0; i < count; ++i) {
+      if constexpr (std::is_same_v<Value, half>) {
+        rows[i] = HalfOf(source[i]);
+      } else {
+        rows[i] = source[i];
+      }
+    }
+    Imf::FrameBuffer frame;
+    for (size_t c = 0; c < channels; ++c) {
+      frame.insert(image.channels()[c],
+                   Imf::Slice::Make(type, &rows[c], Imath::V2i(0, top), image.width(), kTileSize,
+                                    channels * sizeof(Value), width * channels * sizeof(Value)));
+    }
+    file.setFrameBuffer(frame);
+    file.writeTiles(0, file.numXTiles(0) - 1, row, row);
+  }
+}
+
+}  // namespace
+
+FrameRate FrameRateOf(double fps) {
+  const Imf::Rational rate = Imf::guessExactFps(fps);
+  return {rate.n, rate.d};
+}
+
+absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& output,
+                                      const ExrMetadata& metadata) {
+  SL_RETURN_IF_ERROR(Annotate(CheckImage(image), "encode EXR"));
+  try {
+    Imf::Header header(image.width(), image.height());
+    const Imf::PixelType type = output.pixel_type == PixelType::kHalf ? Imf::HALF : Imf::FLOAT;
+    for (const std::string& name : image.channels()) header.channels().insert(name, Imf::Channel(type));
+    header.compression() = LibraryCompression(output.compression);
+    header.lineOrder() = Imf::INCREASING_Y;
+    header.setTileDescription(Imf::TileDescription(kTileSize, kTileSize, Imf::ONE_LEVEL));
+    SL_RETURN_IF_ERROR(Annotate(PutMetadata(metadata, header), "encode EXR"));
+
+    ExrMemoryOutput stream("memory");
+    {
+      Imf::TiledOutputFile file(stream, header, /*numThreads=*/0);
+      if (type == Imf::HALF) {
+        WriteTiles<half>(image, type, file);
+      } else {
+        WriteTiles<float>(image, type, file);
+      }
+    }  // The file is complete only once it is closed.
+    if (stream.failed()) return absl::ResourceExhaustedError("encode EXR: out of memory");
+    return stream.TakeBytes();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("encode EXR: out of memory");
+  } catch (const std::exception& error) {
+    return absl::InvalidArgumentError(absl::StrCat("encode EXR: ", error.what()));
+  }
+}
+
+absl::Status WriteExr(const std::string& path, const Image& image, const OutputSettings& output,
+                      const ExrMetadata& metadata) {
+  absl::StatusOr<std::string> bytes = EncodeExr(image, output, metadata);
+  if (!bytes.ok()) return Annotate(bytes.status(), absl::StrCat("write ", path));
+  return WriteFileAtomically(path, *bytes);
+}
+
+}  // namespace shutterline
