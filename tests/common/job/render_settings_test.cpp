@@ -1,0 +1,97 @@
+#include "common/job/render_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace shutterline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(RenderSettings, DefaultsAreValid) {
+  EXPECT_TRUE(Validate(RenderSettings()).ok());
+}
+
+struct Range {
+  const char* field;
+  std::function<void(RenderSettings&, double)> set;
+  std::vector<double> good, bad;
+};
+
+TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
+  const std::vector<Range> ranges = {
+      {"width", [](auto& s, double v) { s.width = int(v); }, {1, 32768}, {0, -1, 32769, -2147483648.0}},
+      {"height", [](auto& s, double v) { s.height = int(v); }, {1, 32768}, {0, -1, 32769, 2147483647.0}},
+      {"fps", [](auto& s, double v) { s.fps = v; }, {1e-3, 24, 1e6}, {0, -24, 1.1e6, kNaN, kInfinity}},
+      {"shutter_open",
+       [](auto& s, double v) { s.shutter_open = v; },
+       {-1e6, 0, 0.5},
+       {-1.1e6, kNaN, kInfinity, -kInfinity}},
+      {"shutter_close",
+       [](auto& s, double v) { s.shutter_close = v; },
+       {0, 1, 1e6},
+       {-0.001, 1.1e6, kNaN, kInfinity}},
+      {"time_step",
+       [](auto& s, double v) { s.time_step = v; },
+       {1e-3, 1, 1e6},
+       {0, -1, 0.99e-3, 1.1e6, kNaN, kInfinity}},
+      {"time_samples", [](auto& s, double v) { s.time_samples = int(v); }, {1, 65536}, {0, -1, 65537}},
+      {"spp", [](auto& s, double v) { s.spp = int(v); }, {1, 1048576}, {0, -1, 1048577}},
+  };
+  for (const Range& range : ranges) {
+    for (const double value : range.good) {
+      RenderSettings settings;
+      range.set(settings, value);
+      EXPECT_TRUE(Validate(settings).ok()) << range.field << " " << value;
+    }
+    for (const double value : range.bad) {
+      RenderSettings settings;
+      range.set(settings, value);
+      const absl::Status status = Validate(settings);
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << range.field << " " << value;
+      EXPECT_THAT(std::string(status.message()), HasSubstr(range.field));
+    }
+  }
+}
+
+TEST(RenderSettings, AStillIsValid) {
+  RenderSettings settings;
+  settings.shutter_open = settings.shutter_close = 0.25;
+  EXPECT_TRUE(Validate(settings).ok());
+}
+
+/// What ToString writes, Parse reads, and nothing else.
+template <typename Enum, typename Parse>
+void ExpectWords(std::vector<Enum> values, Parse parse) {
+  for (const Enum value : values) {
+    const std::string word(ToString(value));
+    EXPECT_NE(word, "unknown");
+    EXPECT_EQ(parse(word), value);
+    EXPECT_EQ(parse(word + " "), std::nullopt);
+    EXPECT_EQ(parse(word.substr(1)), std::nullopt);
+  }
+  EXPECT_EQ(parse(""), std::nullopt);
+  EXPECT_EQ(parse("unknown"), std::nullopt);
+}
+
+TEST(RenderSettings, WordRoundTrips) {
+  ExpectWords<IntegratorKind>({IntegratorKind::kLine, IntegratorKind::kReference}, ParseIntegrator);
+  ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls},
+                           ParsePattern);
+  ExpectWords<ResolverKind>({ResolverKind::kSlice}, ParseResolver);
+  ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);
+  ExpectWords<ExrCompression>(
+      {ExrCompression::kNone, ExrCompression::kZip, ExrCompression::kPiz, ExrCompression::kDwaa},
+      ParseExrCompression);
+}
+
+}  // namespace
+}  // namespace shutterline
