@@ -85,14 +85,15 @@ double InstantOffset(const LineFamily& family, int family_index, int64_t number)
   // Order the lines that meet in a pixel first (number within the pixel, then family), then the pixels.
   const auto lines_per_pixel = uint64_t(std::lround(1 / family.spacing));
   const auto k = uint64_t(number);
-  uint64_t index = k % lines_per_pixel + lines_per_pixel * (uint64_t(family_index) + 2 * (k / lines_per_pixel));
+  uint64_t index =
+      k % lines_per_pixel + lines_per_pixel * (uint64_t(family_index) + 2 * (k / lines_per_pixel));
   constexpr int kBits = 16;
   double offset = 0;
   double digit = 0.5;
   for (int bit = 0; bit < kBits; ++bit, digit /= 2, index >>= 1) {
     if ((index & 1) != 0) offset += digit;
   }
-  return offset + digit;   // The centre of the cell of the last bit: never 0 or 1.
+  return offset + digit;  // The centre of the cell of the last bit: never 0 or 1.
 }
 
 }  // namespace shutterline::engine

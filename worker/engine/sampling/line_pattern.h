@@ -18,16 +18,16 @@ namespace shutterline::engine {
 /// All members are dyadic fractions: positions of lines are exact in double precision.
 struct LineFamily {
   bool major_is_x = true;
-  double slope = 0;     ///< Minor pixels per major pixel.
-  double offset = 0;    ///< Pixels.
-  double spacing = 1;   ///< Pixels between neighbours along the minor axis; 1, 1/2 or 1/4.
+  double slope = 0;    ///< Minor pixels per major pixel.
+  double offset = 0;   ///< Pixels.
+  double spacing = 1;  ///< Pixels between neighbours along the minor axis; 1, 1/2 or 1/4.
 };
 
 /// One line sample cut to a rectangle, in coordinates relative to the rectangle's top left corner.
 struct TileLine {
   int family = 0;
-  int64_t number = 0;      ///< k, absolute: the same line in every rectangle that it crosses.
-  double intercept = 0;    ///< minor = slope · major + intercept, relative coordinates.
+  int64_t number = 0;    ///< k, absolute: the same line in every rectangle that it crosses.
+  double intercept = 0;  ///< minor = slope · major + intercept, relative coordinates.
   /// The steps [i, i + 1] along the major axis, first_step <= i < end_step, lie within the rectangle.
   int first_step = 0, end_step = 0;
   /// Where in its stratum each of this line's instants lies, in (0, 1); see InstantOffset.

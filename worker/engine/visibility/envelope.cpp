@@ -56,7 +56,7 @@ EnvelopeMarcher::Change EnvelopeMarcher::NextOvertake(std::span<const LineSegmen
   Change next{std::numeric_limits<int32_t>::max(), kNone};
   for (size_t i = 0; i < active_.size();) {
     const uint32_t candidate = active_[i];
-    if (segments[candidate].end <= x) {   // Ended: forget it.
+    if (segments[candidate].end <= x) {  // Ended: forget it.
       active_[i] = active_.back();
       active_.pop_back();
       continue;

@@ -31,7 +31,8 @@ class EnvelopeMarcher {
  public:
   /// Replaces `spans` by the visible spans within [begin, end), ascending, not overlapping; neighbours
   /// of the same segment are joined.
-  void March(std::span<const LineSegment> segments, int32_t begin, int32_t end, std::vector<VisibleSpan>& spans);
+  void March(std::span<const LineSegment> segments, int32_t begin, int32_t end,
+             std::vector<VisibleSpan>& spans);
 
  private:
   struct Change {

@@ -23,7 +23,9 @@ void FrontToBack::Offer(const LineSegment& segment, const SegmentPosition& posit
   next_compaction_ = std::max(kFirstBatch, 2 * segments_.size());
 }
 
-void FrontToBack::Finish() { Compact(); }
+void FrontToBack::Finish() {
+  Compact();
+}
 
 void FrontToBack::Compact() {
   marcher_.March(segments_, begin_, end_, spans_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,11 +11,12 @@ namespace shutterline::engine {
 /// What one pixel sees of one triangle (within one shading bin of the shutter): the weight of the
 /// pieces of lines and the mean position on the triangle, if it was asked for.
 struct PixelPair {
-  uint32_t triangle = 0;   ///< Index into FrameScene::triangles.
-  uint32_t bin = 0;        ///< Shading bin: b of 2^shading_bins_log2 equal spans of the shutter.
-  uint64_t weight = 0;     ///< Of PairWeights::total(): an exact integer.
-  double b1 = 0, b2 = 0;   ///< Σ weight × barycentric coordinate; divide by weight.
-  uint32_t next = 0;       ///< The pixel's next pair, 0: none. Internal.
+  uint32_t triangle = 0;  ///< Index into FrameScene::triangles.
+  uint16_t bin = 0;       ///< Shading bin: number `bin` of 2^bins_log2 equal spans of the shutter.
+  uint16_t bins_log2 = 0;
+  uint64_t weight = 0;    ///< Of PairWeights::total(): an exact integer.
+  double b1 = 0, b2 = 0;  ///< Σ weight × barycentric coordinate; divide by weight.
+  uint32_t next = 0;      ///< The pixel's next pair, 0: none. Internal.
 };
 
 /// Weights of (triangle, pixel) pairs over a tile.
@@ -27,9 +29,9 @@ class PairWeights {
   /// Empties, for a tile of `pixels` pixels whose every pixel has the weight `total`.
   void Reset(int64_t pixels, uint64_t total);
 
-  /// Adds `weight` to the pair; `b1`, `b2` are the mean barycentric coordinates of the piece (zeros where
-  /// they are not wanted). `pixel` counts in rows within the tile.
-  void Add(int64_t pixel, uint32_t triangle, uint32_t bin, uint64_t weight, double b1, double b2);
+  /// Adds a piece's weight to its pair; `piece.b1` and `piece.b2` are the mean barycentric coordinates of
+  /// the piece, not yet weighted (zeros where they are not wanted). `pixel` counts in rows within the tile.
+  void Add(int64_t pixel, const PixelPair& piece);
 
   uint64_t total() const { return total_; }
 
@@ -41,8 +43,8 @@ class PairWeights {
   }
 
  private:
-  std::vector<uint32_t> first_;    // By pixel: index into pairs_, 0: none.
-  std::vector<PixelPair> pairs_;   // Entry 0 is unused.
+  std::vector<uint32_t> first_;   // By pixel: index into pairs_, 0: none.
+  std::vector<PixelPair> pairs_;  // Entry 0 is unused.
   uint64_t total_ = 0;
 };
 

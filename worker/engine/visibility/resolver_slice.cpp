@@ -32,7 +32,8 @@ class TileResolution {
     group_.clear();
     for (uint32_t i = 0; i < tile_.triangles.size(); ++i) {
       const TileTriangle& triangle = tile_.triangles[i];
-      if (triangle.first_line[family] <= lines.back().number && triangle.last_line[family] >= lines.front().number) {
+      if (triangle.first_line[family] <= lines.back().number &&
+          triangle.last_line[family] >= lines.front().number) {
         group_.push_back(i);
       }
     }
@@ -53,7 +54,8 @@ class TileResolution {
   }
 
   bool Touches(const TileTriangle& triangle) const {
-    return triangle.first_line[line_->family] <= line_->number && line_->number <= triangle.last_line[line_->family];
+    return triangle.first_line[line_->family] <= line_->number &&
+           line_->number <= triangle.last_line[line_->family];
   }
 
   /// The envelope of what stands still.
@@ -90,7 +92,7 @@ class TileResolution {
     for (int64_t i = 0; i < instants; ++i) {
       const double t = TimeSamples::InstantAt(i, instants, line_->instant_offset);
       if (!ResolveInstant(t)) {
-        ++at_rest;   // Nothing that moves is on the line now: the static envelope is what is seen.
+        ++at_rest;  // Nothing that moves is on the line now: the static envelope is what is seen.
         continue;
       }
       Accumulate(moment_, t, weight);
@@ -121,7 +123,8 @@ class TileResolution {
     const size_t before = moment_.segments().size();
     Offer(moment_, index, t);
     if (moment_.segments().size() == before) return false;
-    for (size_t i = 0; i < static_.segments().size(); ++i) moment_.Offer(static_.segments()[i], static_.positions()[i]);
+    for (size_t i = 0; i < static_.segments().size(); ++i)
+      moment_.Offer(static_.segments()[i], static_.positions()[i]);
     return true;
   }
 
@@ -143,16 +146,20 @@ class TileResolution {
     for (const VisibleSpan& span : envelope.spans()) {
       const LineSegment& segment = envelope.segments()[span.segment];
       const TileTriangle& triangle = tile_.triangles[segment.index];
-      const auto bin = uint32_t(t * double(1u << triangle.shading_bins_log2));
+      PixelPair piece{.triangle = segment.id,
+                      .bin = uint16_t(t * double(1u << triangle.shading_bins_log2)),
+                      .bins_log2 = triangle.shading_bins_log2};
       for (int32_t from = span.begin; from < span.end;) {
         const int step = from >> kSubpixelBits;
         const int32_t to = std::min(span.end, (step + 1) << kSubpixelBits);
-        SegmentBarycentric at{0, 0};
+        piece.weight = uint64_t(to - from) * instant_weight;
         if (triangle.needs_position) {
           const double middle = (double(from) + double(to)) * (0.5 / kSubpixelsPerPixel);
-          at = BarycentricAt(segment, envelope.positions()[span.segment], middle);
+          const SegmentBarycentric at = BarycentricAt(segment, envelope.positions()[span.segment], middle);
+          piece.b1 = at.b1;
+          piece.b2 = at.b2;
         }
-        weights_.Add(PixelOf(step), segment.id, bin, uint64_t(to - from) * instant_weight, at.b1, at.b2);
+        weights_.Add(PixelOf(step), piece);
         from = to;
       }
     }
@@ -193,7 +200,8 @@ void ResolverSlice::Resolve(const TileTriangles& tile, PairWeights& weights, Ren
   TileResolution resolution(pattern_, time_samples_, tile, weights, stats);
   for (size_t i = 0; i < lines.size();) {
     size_t group_end = i + 1;
-    while (group_end < lines.size() && group_end - i < kLinesPerGroup && lines[group_end].family == lines[i].family) {
+    while (group_end < lines.size() && group_end - i < kLinesPerGroup &&
+           lines[group_end].family == lines[i].family) {
       ++group_end;
     }
     resolution.ResolveGroup({&lines[i], group_end - i});

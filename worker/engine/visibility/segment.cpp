@@ -14,8 +14,9 @@ struct Crossing {
 
 /// weight_a * a + weight_b * b; both weights >= 0, not both 0.
 Crossing Combine(double weight_a, const Crossing& a, double weight_b, const Crossing& b) {
-  return {weight_a * a.g + weight_b * b.g,   weight_a * a.z + weight_b * b.z,   weight_a * a.w + weight_b * b.w,
-          weight_a * a.b1 + weight_b * b.b1, weight_a * a.b2 + weight_b * b.b2, weight_a * a.sum + weight_b * b.sum};
+  return {weight_a * a.g + weight_b * b.g,   weight_a * a.z + weight_b * b.z,
+          weight_a * a.w + weight_b * b.w,   weight_a * a.b1 + weight_b * b.b1,
+          weight_a * a.b2 + weight_b * b.b2, weight_a * a.sum + weight_b * b.sum};
 }
 
 /// Cuts the segment from `p` to `q` where `inside` (linear and homogeneous, >= 0 is inside) changes sign.
@@ -35,7 +36,7 @@ bool Clip(Crossing& p, Crossing& q, const Inside& inside) {
 
 /// Pixels along the line to subpixels, cut to the line.
 int32_t ToSubpixels(double l, const SegmentLine& line) {
-  const double scaled = l * kSubpixelsPerPixel + 0.5;   // Truncation then rounds to nearest, as l >= 0.
+  const double scaled = l * kSubpixelsPerPixel + 0.5;  // Truncation then rounds to nearest, as l >= 0.
   return int32_t(std::clamp(scaled, double(line.begin), double(line.end)));
 }
 
@@ -57,8 +58,8 @@ SegmentLine MakeSegmentLine(const LinePattern& pattern, const TileLine& line) {
           .end = line.end_step * kSubpixelsPerPixel};
 }
 
-bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth, const SegmentLine& line, double t,
-                 LineSegment* segment, SegmentPosition* position) {
+bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth, const SegmentLine& line,
+                 double t, LineSegment* segment, SegmentPosition* position) {
   // Evaluate the heights over the line-sample plane.
   RasterPoint v[3];
   triangle.VerticesAt(t, v);

@@ -12,12 +12,12 @@ namespace shutterline::engine {
 /// What a triangle covers of a line sample at one instant. Positions along the line are in subpixels
 /// (2^-24 px) along the major axis from the tile's corner; depth d = z/w is linear in between.
 struct LineSegment {
-  int32_t begin = 0, end = 0;   ///< Covers [begin, end), begin < end, cut to the line.
-  uint32_t id = 0;              ///< The triangle's id: the lower one wins where depths are equal.
-  uint32_t index = 0;           ///< Index of the triangle in TileTriangles.
+  int32_t begin = 0, end = 0;  ///< Covers [begin, end), begin < end, cut to the line.
+  uint32_t id = 0;             ///< The triangle's id: the lower one wins where depths are equal.
+  uint32_t index = 0;          ///< Index of the triangle in TileTriangles.
   // The uncut segment runs from (l0, d0) to (l1, d1), l in pixels, l0 < l1.
   double l0 = 0, l1 = 0, d0 = 0, d1 = 0;
-  double slope = 0;   ///< (d1 - d0) / (l1 - l0), depth per pixel.
+  double slope = 0;  ///< (d1 - d0) / (l1 - l0), depth per pixel.
 
   /// Depth at `l` pixels. Clamped to the ends' range: rounding of the ends to subpixels must not
   /// extrapolate a nearly vertical segment.
@@ -42,8 +42,8 @@ SegmentBarycentric BarycentricAt(const LineSegment& segment, const SegmentPositi
 /// The line as the segment code sees it.
 struct SegmentLine {
   bool major_is_x = true;
-  double slope = 0, intercept = 0;   ///< minor = slope · major + intercept, tile coordinates.
-  int32_t begin = 0, end = 0;        ///< Subpixels: the part of the line within the tile.
+  double slope = 0, intercept = 0;  ///< minor = slope · major + intercept, tile coordinates.
+  int32_t begin = 0, end = 0;       ///< Subpixels: the part of the line within the tile.
 };
 
 SegmentLine MakeSegmentLine(const LinePattern& pattern, const TileLine& line);
@@ -58,7 +58,7 @@ SegmentLine MakeSegmentLine(const LinePattern& pattern, const TileLine& line);
 /// f = 0 counts as positive, so a vertex or an edge on the line belongs to exactly one side. Departs
 /// from [gribel2011, equation 3], which divides by a difference that vanishes where an edge is parallel
 /// to the plane.
-bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth, const SegmentLine& line, double t,
-                 LineSegment* segment, SegmentPosition* position);
+bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth, const SegmentLine& line,
+                 double t, LineSegment* segment, SegmentPosition* position);
 
 }  // namespace shutterline::engine

@@ -16,7 +16,8 @@ RasterPoint RelativeTo(const TileRect& rect, const RasterPoint& p) {
 /// Signed distances of a point to the planes that bound the tile's frustum, up to positive factors;
 /// negative is outside: left, right, top, bottom, near, far.
 std::array<double, 6> PlaneDistances(const TileTriangles& tile, const RasterPoint& p) {
-  return {p.x, tile.rect.width * p.w - p.x, p.y, tile.rect.height * p.w - p.y, p.w - p.z, p.z - tile.far_depth * p.w};
+  return {p.x,       tile.rect.width * p.w - p.x, p.y, tile.rect.height * p.w - p.y,
+          p.w - p.z, p.z - tile.far_depth * p.w};
 }
 
 /// Narrows [t_in, t_out] to the instants at which at least one vertex is inside each single plane. The

@@ -14,7 +14,7 @@ namespace shutterline::engine {
 /// A moving triangle as one tile sees it: control points relative to the tile's corner (so that a frame
 /// of 16k pixels is as exact as a small one), and conservative bounds over the whole shutter.
 struct TileTriangle {
-  uint32_t id = 0;   ///< Index into FrameScene::triangles.
+  uint32_t id = 0;  ///< Index into FrameScene::triangles.
   bool moves = false;
   bool cull_back = false;     ///< Not drawn where it is seen from behind.
   bool crosses_near = false;  ///< Must be clipped at the near or the far plane at some instant.
@@ -42,7 +42,7 @@ struct TileTriangle {
 /// All triangles that a tile may see, nearest first (by nearest_depth, then id).
 struct TileTriangles {
   TileRect rect;
-  double far_depth = 0;   ///< Depths below it are clipped.
+  double far_depth = 0;  ///< Depths below it are clipped.
   std::vector<TileTriangle> triangles;
 };
 
