@@ -19,7 +19,8 @@ class Bvh {
   virtual ~Bvh() = default;
 
   /// Builds with up to `threads` threads. INTERNAL if Embree fails.
-  static absl::StatusOr<std::unique_ptr<const Bvh>> Build(std::shared_ptr<const FrameScene> frame, int threads);
+  static absl::StatusOr<std::unique_ptr<const Bvh>> Build(std::shared_ptr<const FrameScene> frame,
+                                                          int threads);
 
   /// Appends to `triangles` every triangle that, at some instant of the shutter, may be seen through
   /// `rect` between the near and the far plane: none is missed, few are superfluous, each comes once.
