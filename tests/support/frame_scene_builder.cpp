@@ -88,11 +88,11 @@ int FrameSceneBuilder::AddViewMesh(const std::vector<V3d>& open, const std::vect
   return AddMesh(std::move(raster_open), std::move(raster_close), triangles, look);
 }
 
-int FrameSceneBuilder::AddTriangle(const std::array<RasterPoint, 3>& vertices, const FlatLook& look) {
+int FrameSceneBuilder::AddRasterTriangle(const std::array<RasterPoint, 3>& vertices, const FlatLook& look) {
   return AddMesh(ToVector(vertices), {}, kOneTriangle, look);
 }
-int FrameSceneBuilder::AddTriangle(const std::array<RasterPoint, 3>& open,
-                                   const std::array<RasterPoint, 3>& close, const FlatLook& look) {
+int FrameSceneBuilder::AddRasterTriangle(const std::array<RasterPoint, 3>& open,
+                                         const std::array<RasterPoint, 3>& close, const FlatLook& look) {
   return AddMesh(ToVector(open), ToVector(close), kOneTriangle, look);
 }
 int FrameSceneBuilder::AddTriangle(const std::array<Corner, 3>& vertices, const FlatLook& look) {
@@ -102,11 +102,11 @@ int FrameSceneBuilder::AddTriangle(const std::array<Corner, 3>& open, const std:
                                    const FlatLook& look) {
   return AddMesh(AllRaster(*this, open), AllRaster(*this, close), kOneTriangle, look);
 }
-int FrameSceneBuilder::AddTriangle(const std::array<V3d, 3>& vertices, const FlatLook& look) {
+int FrameSceneBuilder::AddViewTriangle(const std::array<V3d, 3>& vertices, const FlatLook& look) {
   return AddMesh(AllRaster(*this, vertices), {}, kOneTriangle, look);
 }
-int FrameSceneBuilder::AddTriangle(const std::array<V3d, 3>& open, const std::array<V3d, 3>& close,
-                                   const FlatLook& look) {
+int FrameSceneBuilder::AddViewTriangle(const std::array<V3d, 3>& open, const std::array<V3d, 3>& close,
+                                       const FlatLook& look) {
   return AddMesh(AllRaster(*this, open), AllRaster(*this, close), kOneTriangle, look);
 }
 

@@ -42,14 +42,15 @@ class FrameSceneBuilder {
   int AddViewMesh(const std::vector<V3d>& open, const std::vector<V3d>& close,
                   const std::vector<std::array<uint32_t, 3>>& triangles, const FlatLook& look = {});
 
-  int AddTriangle(const std::array<RasterPoint, 3>& vertices, const FlatLook& look = {});
-  int AddTriangle(const std::array<RasterPoint, 3>& open, const std::array<RasterPoint, 3>& close,
-                  const FlatLook& look = {});
+  int AddRasterTriangle(const std::array<RasterPoint, 3>& vertices, const FlatLook& look = {});
+  int AddRasterTriangle(const std::array<RasterPoint, 3>& open, const std::array<RasterPoint, 3>& close,
+                        const FlatLook& look = {});
   int AddTriangle(const std::array<Corner, 3>& vertices, const FlatLook& look = {});
   int AddTriangle(const std::array<Corner, 3>& open, const std::array<Corner, 3>& close,
                   const FlatLook& look = {});
-  int AddTriangle(const std::array<V3d, 3>& vertices, const FlatLook& look = {});
-  int AddTriangle(const std::array<V3d, 3>& open, const std::array<V3d, 3>& close, const FlatLook& look = {});
+  int AddViewTriangle(const std::array<V3d, 3>& vertices, const FlatLook& look = {});
+  int AddViewTriangle(const std::array<V3d, 3>& open, const std::array<V3d, 3>& close,
+                      const FlatLook& look = {});
 
   /// Two triangles that share the diagonal from corner 0 to corner 2: (0, 1, 2) and (0, 2, 3).
   int AddQuad(const std::array<Corner, 4>& vertices, const FlatLook& look = {});

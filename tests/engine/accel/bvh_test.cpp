@@ -77,9 +77,9 @@ std::shared_ptr<const FrameScene> RandomScene(const FrameView& view, unsigned se
       close[k] = open[k] + size * (shift + 0.3 * radius * V3d(symmetric(), symmetric(), symmetric()));
     }
     if (unit(random) < options.moving_fraction) {
-      builder.AddTriangle(open, close);
+      builder.AddViewTriangle(open, close);
     } else {
-      builder.AddTriangle(open);
+      builder.AddViewTriangle(open);
     }
   }
   return builder.Build();
@@ -254,7 +254,7 @@ TEST(Bvh, StackedAndNestedTrianglesBuild) {
   FrameSceneBuilder nested(PerspectiveView(64, 64, 0.8, 1e-20));
   for (int i = 0; i < 600; ++i) {
     const double s = std::pow(1.15, i) * 1e-18;
-    nested.AddTriangle({V3d(s, s, -10 * s), V3d(2 * s, s, -10 * s), V3d(s, 2 * s, -11 * s)});
+    nested.AddViewTriangle({V3d(s, s, -10 * s), V3d(2 * s, s, -10 * s), V3d(s, 2 * s, -11 * s)});
   }
   const auto frame = nested.Build();
   size_t all = 0;

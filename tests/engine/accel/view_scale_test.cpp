@@ -11,8 +11,8 @@ namespace {
 
 double ScaleOf(double size) {
   FrameSceneBuilder builder(PerspectiveView(64, 64));
-  builder.AddTriangle({V3d(0, 0, -size), V3d(size, 0, -size), V3d(0, size / 2, -size)},
-                      {V3d(0, 0, -size), V3d(3 * size, 0, -size), V3d(0, size / 2, -size)});
+  builder.AddViewTriangle({V3d(0, 0, -size), V3d(size, 0, -size), V3d(0, size / 2, -size)},
+                          {V3d(0, 0, -size), V3d(3 * size, 0, -size), V3d(0, size / 2, -size)});
   return ViewScale(*builder.Build());
 }
 

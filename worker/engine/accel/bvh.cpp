@@ -1,6 +1,7 @@
 #include "worker/engine/accel/bvh.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -110,7 +111,8 @@ class FlatBvh : public Bvh {
       : frame_(std::move(frame)), scale_(ViewScale(*frame_)) {}
 
   absl::Status BuildTree(int threads) {
-    tbb::task_arena arena(std::max(1, threads));
+    // More threads than processors would only make TBB complain.
+    tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
     return arena.execute([&] { return BuildTreeInArena(); });
   }
 
