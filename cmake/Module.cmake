@@ -16,7 +16,7 @@ function(add_module)
     target_include_directories(${M_NAME} INTERFACE "${PROJECT_SOURCE_DIR}")
     target_link_libraries(${M_NAME} INTERFACE ${M_DEPS} ${M_LIBS})
   endif()
-  record_module(${M_NAME} "${M_DEPS}" "${M_SRCS};${M_HDRS}")
+  record_module(${M_NAME} "${M_DEPS}" ${M_SRCS} ${M_HDRS})
 endfunction()
 
 # add_program(NAME n OUTPUT file-name SRCS ... DEPS ... LIBS ...). The target `programs` builds them all.
@@ -30,15 +30,15 @@ function(add_program)
     set_target_properties(${M_NAME} PROPERTIES OUTPUT_NAME ${M_OUTPUT})
   endif()
   add_dependencies(programs ${M_NAME})
-  record_module(${M_NAME} "${M_DEPS}" "${M_SRCS}")
+  record_module(${M_NAME} "${M_DEPS}" ${M_SRCS})
 endfunction()
 
-# One block of the manifest: four lines, each a key and the words that it holds (perhaps none). Paths are
-# relative to the project's root; generated files are left out.
-function(record_module name deps files)
+# record_module(name "deps" [files...]): one block of the manifest, four lines, each a key and the words that
+# it holds (perhaps none). Paths are relative to the project's root; generated files are left out.
+function(record_module name deps)
   file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   set(paths)
-  foreach(file ${files})
+  foreach(file ${ARGN})
     cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
     cmake_path(IS_PREFIX PROJECT_BINARY_DIR "${file}" generated)
     if(NOT generated)

@@ -72,15 +72,22 @@ def is_under(path, folder):
     return path == folder or path.startswith(folder + "/")
 
 
-def layer_of(folder, arrows):
-    """The longest folder named by the arrows that holds `folder`, or None."""
-    return max((layer for layer in arrows if is_under(folder, layer)), key=len, default=None)
+def layer_of(module, arrows):
+    """The module itself or the longest folder that holds it, whichever the arrows name, or None."""
+    if module.name in arrows:
+        return module.name
+    return max((layer for layer in arrows if is_under(module.folder, layer)), key=len, default=None)
+
+
+def may_depend(layer, target, arrows):
+    """Whether the arrows let `layer` use the layer `target`; an arrow to a folder covers what is in it."""
+    return target is not None and any(is_under(target, allowed) for allowed in [layer] + arrows[layer])
 
 
 def check_declarations(modules, arrows):
     problems = []
     for module in modules.values():
-        layer = layer_of(module.folder, arrows)
+        layer = layer_of(module, arrows)
         if layer is None:
             if not is_under(module.folder, "tests"):
                 problems.append(f"module {module.name}: no arrow speaks of its folder {module.folder}")
@@ -90,10 +97,7 @@ def check_declarations(modules, arrows):
                 problems.append(f"module {module.name}: DEPS name {dep}, which is no module "
                                 "(libraries of others go into LIBS)")
                 continue
-            target = layer_of(modules[dep].folder, arrows)
-            # `layer` in the arrows of its own line is implied; an arrow to a folder covers what is in it.
-            allowed = [layer] + arrows[layer]
-            if target is None or not any(is_under(target, folder) for folder in allowed):
+            if not may_depend(layer, layer_of(modules[dep], arrows), arrows):
                 problems.append(f"module {module.name}: {layer} must not depend on "
                                 f"{modules[dep].folder} (module {dep})")
     return problems + find_cycles(modules)

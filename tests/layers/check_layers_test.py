@@ -12,6 +12,7 @@ common:
 worker/engine/a: common
 worker/engine/b: common
 worker/engine/top: common worker/engine/a worker/engine/b
+face: common
 proto: common
 server: common proto
 forbid worker/engine: grpc .pb.h
@@ -22,6 +23,7 @@ class Tree:
     """A tree without violations, to be spoilt by a test."""
 
     def __init__(self):
+        self.arrows = ARROWS
         self.modules = {
             "base": ("common/base", [], ["common/base/base.h", "common/base/version.h.in"]),
             "job": ("common/job", ["base"], ["common/job/job.h"]),
@@ -53,7 +55,7 @@ class Tree:
             for file, includes in self.files.items():
                 (root / file).parent.mkdir(parents=True, exist_ok=True)
                 (root / file).write_text("#pragma once\n" + "".join(f"#include {what}\n" for what in includes))
-            return check_layers.check_tree(root, manifest, ARROWS)
+            return check_layers.check_tree(root, manifest, self.arrows)
 
 
 class CheckLayersTest(unittest.TestCase):
@@ -90,6 +92,17 @@ class CheckLayersTest(unittest.TestCase):
     def test_rivals_do_not_depend_on_one_another(self):
         self.tree.modules["a"][1].append("b")
         self.assert_only("module a", "worker/engine/a must not depend on worker/engine/b")
+
+    def test_arrow_of_one_module(self):
+        """An interface in the top folder, for the rivals to implement: the arrows name it alone."""
+        self.tree.modules["face"] = ("worker/engine/top", ["base"], [])
+        self.tree.modules["a"][1].append("face")
+        self.assert_only("worker/engine/a must not depend on worker/engine/top (module face)")
+        self.tree.arrows = ARROWS.replace("worker/engine/a: common", "worker/engine/a: common face")
+        self.assertEqual(self.tree.check(), [])
+        self.tree.modules["face"][1].append("a")
+        problems = self.tree.check()
+        self.assertTrue(any("face must not depend on worker/engine/a" in line for line in problems), problems)
 
     def test_arrow_downwards_only(self):
         self.tree.modules["base"][1].append("api")
