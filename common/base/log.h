@@ -1,0 +1,23 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/strings/string_view.h>
+
+#include <string>
+
+namespace shutterline {
+
+/// Sets up spdlog's default logger for a program: lines on standard error as
+///
+///     2026-03-01T12:00:00.123Z info  server: job accepted job=6f0… frames=24
+///
+/// A message says what happened and goes on in key=value fields; values that strangers chose go through
+/// `LogValue`. `level` is trace, debug, info, warn, error or off; INVALID_ARGUMENT (listing these) otherwise.
+/// To be called once, before other threads log.
+absl::Status SetUpLog(absl::string_view program, absl::string_view level);
+
+/// `value` for a key=value field: quoted and escaped where it has spaces, quotes, '=' or anything that is
+/// not printable ASCII, so that a line stays a line and a field a field; cut after 1 KiB with "…".
+std::string LogValue(absl::string_view value);
+
+}  // namespace shutterline

@@ -1,0 +1,187 @@
+#include "proto/convert/job_spec.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/status_macros.h"
+
+namespace shutterline::convert {
+namespace {
+
+template <typename Ours, typename Theirs, size_t N>
+using Pairs = std::array<std::pair<Ours, Theirs>, N>;
+
+constexpr Pairs<IntegratorKind, v1::Integrator, 2> kIntegrators{
+    {{IntegratorKind::kLine, v1::INTEGRATOR_LINE}, {IntegratorKind::kReference, v1::INTEGRATOR_REFERENCE}}};
+constexpr Pairs<PatternKind, v1::Pattern, 4> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
+                                                        {PatternKind::k2h2v, v1::PATTERN_2H2V},
+                                                        {PatternKind::k4h4v, v1::PATTERN_4H4V},
+                                                        {PatternKind::kRgls, v1::PATTERN_RGLS}}};
+constexpr Pairs<ResolverKind, v1::Resolver, 1> kResolvers{{{ResolverKind::kSlice, v1::RESOLVER_SLICE}}};
+constexpr Pairs<PixelType, v1::PixelType, 2> kPixelTypes{
+    {{PixelType::kHalf, v1::PIXEL_TYPE_HALF}, {PixelType::kFloat, v1::PIXEL_TYPE_FLOAT}}};
+constexpr Pairs<ExrCompression, v1::Compression, 4> kCompressions{
+    {{ExrCompression::kNone, v1::COMPRESSION_NONE},
+     {ExrCompression::kZip, v1::COMPRESSION_ZIP},
+     {ExrCompression::kPiz, v1::COMPRESSION_PIZ},
+     {ExrCompression::kDwaa, v1::COMPRESSION_DWAA}}};
+
+template <typename Ours, typename Theirs, size_t N>
+Theirs Out(const Pairs<Ours, Theirs, N>& pairs, Ours value) {
+  for (const auto& [ours, theirs] : pairs) {
+    if (ours == value) return theirs;
+  }
+  SL_CHECK(false && "an enumerator without a place on the wire");
+  return pairs.front().second;
+}
+
+std::string Join(absl::string_view parent, absl::string_view field) {
+  return parent.empty() ? std::string(field) : absl::StrCat(parent, ".", field);
+}
+
+template <typename Ours, typename Theirs, size_t N>
+absl::StatusOr<Ours> In(const Pairs<Ours, Theirs, N>& pairs, Theirs value, absl::string_view parent,
+                        absl::string_view field) {
+  for (const auto& [ours, theirs] : pairs) {
+    if (theirs == value) return ours;
+  }
+  const int number = static_cast<int>(value);
+  return absl::InvalidArgumentError(absl::StrCat(
+      Join(parent, field), ": ",
+      number == 0 ? std::string("is not specified") : absl::StrCat("value ", number, " is not known")));
+}
+
+}  // namespace
+
+v1::Digest ToProto(const Digest& digest) {
+  v1::Digest message;
+  message.set_sha256(digest.bytes.data(), digest.bytes.size());
+  return message;
+}
+
+v1::RenderSettings ToProto(const RenderSettings& s) {
+  v1::RenderSettings m;
+  m.set_width(s.width);
+  m.set_height(s.height);
+  m.set_fps(s.fps);
+  m.set_shutter_open(s.shutter_open);
+  m.set_shutter_close(s.shutter_close);
+  m.set_camera(s.camera);
+  m.set_animation(s.animation);
+  m.set_integrator(Out(kIntegrators, s.integrator));
+  m.set_pattern(Out(kPatterns, s.pattern));
+  m.set_resolver(Out(kResolvers, s.resolver));
+  m.set_time_step(s.time_step);
+  if (s.time_samples) m.set_time_samples(*s.time_samples);
+  m.set_spp(s.spp);
+  m.set_seed(s.seed);
+  return m;
+}
+
+v1::OutputSettings ToProto(const OutputSettings& s) {
+  v1::OutputSettings m;
+  m.set_pixel_type(Out(kPixelTypes, s.pixel_type));
+  m.set_compression(Out(kCompressions, s.compression));
+  return m;
+}
+
+v1::SceneManifest ToProto(const SceneManifest& scene) {
+  v1::SceneManifest m;
+  m.set_root_name(scene.root_name);
+  for (const SceneFile& file : scene.files) {
+    v1::SceneFile& f = *m.add_files();
+    f.set_name(file.name);
+    *f.mutable_digest() = ToProto(file.digest);
+    f.set_size_bytes(file.size);
+  }
+  return m;
+}
+
+v1::JobSpec ToProto(const JobSpec& spec) {
+  v1::JobSpec m;
+  m.set_name(spec.name);
+  *m.mutable_scene() = ToProto(spec.scene);
+  m.mutable_frames()->set_first(spec.frames.first);
+  m.mutable_frames()->set_last(spec.frames.last);
+  m.mutable_frames()->set_step(spec.frames.step);
+  *m.mutable_render() = ToProto(spec.render);
+  *m.mutable_output() = ToProto(spec.output);
+  return m;
+}
+
+absl::StatusOr<Digest> FromProto(const v1::Digest& message, absl::string_view field) {
+  Digest digest;
+  const std::string& bytes = message.sha256();
+  if (bytes.size() != digest.bytes.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(Join(field, "sha256"), ": has ", bytes.size(), " bytes, but must have 32"));
+  }
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(digest.bytes.data()));
+  return digest;
+}
+
+absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::string_view field) {
+  RenderSettings s;
+  s.width = m.width();
+  s.height = m.height();
+  s.fps = m.fps();
+  s.shutter_open = m.shutter_open();
+  s.shutter_close = m.shutter_close();
+  s.camera = m.camera();
+  s.animation = m.animation();
+  SL_ASSIGN_OR_RETURN(s.integrator, In(kIntegrators, m.integrator(), field, "integrator"));
+  SL_ASSIGN_OR_RETURN(s.pattern, In(kPatterns, m.pattern(), field, "pattern"));
+  SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
+  s.time_step = m.time_step();
+  if (m.has_time_samples()) s.time_samples = m.time_samples();
+  s.spp = m.spp();
+  s.seed = m.seed();
+  SL_RETURN_IF_ERROR(Validate(s));
+  return s;
+}
+
+absl::StatusOr<OutputSettings> FromProto(const v1::OutputSettings& m, absl::string_view field) {
+  OutputSettings s;
+  SL_ASSIGN_OR_RETURN(s.pixel_type, In(kPixelTypes, m.pixel_type(), field, "pixel_type"));
+  SL_ASSIGN_OR_RETURN(s.compression, In(kCompressions, m.compression(), field, "compression"));
+  return s;
+}
+
+absl::StatusOr<SceneManifest> FromProto(const v1::SceneManifest& m, absl::string_view field) {
+  SceneManifest scene;
+  scene.root_name = m.root_name();
+  scene.files.reserve(size_t(m.files_size()));
+  for (int i = 0; i < m.files_size(); ++i) {
+    const v1::SceneFile& f = m.files(i);
+    SceneFile file;
+    file.name = f.name();
+    SL_ASSIGN_OR_RETURN(file.digest,
+                        FromProto(f.digest(), absl::StrCat(Join(field, "files"), "[", i, "].digest")));
+    file.size = f.size_bytes();
+    scene.files.push_back(std::move(file));
+  }
+  return scene;
+}
+
+absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& m, const JobLimits& limits) {
+  JobSpec spec;
+  spec.name = m.name();
+  // Before the manifest is translated, so that its length bounds the work.
+  if (m.scene().files_size() > limits.max_manifest_files) {
+    return absl::InvalidArgumentError(absl::StrCat("scene.files: has ", m.scene().files_size(),
+                                                   " entries, but at most ", limits.max_manifest_files,
+                                                   " may be"));
+  }
+  SL_ASSIGN_OR_RETURN(spec.scene, FromProto(m.scene(), "scene"));
+  spec.frames = {m.frames().first(), m.frames().last(), m.frames().step()};
+  SL_ASSIGN_OR_RETURN(spec.render, FromProto(m.render(), "render"));
+  SL_ASSIGN_OR_RETURN(spec.output, FromProto(m.output(), "output"));
+  SL_RETURN_IF_ERROR(Validate(spec, limits));
+  return spec;
+}
+
+}  // namespace shutterline::convert

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/time/time.h>
+
+#include <cstdint>
+#include <string>
+
+#include "common/job/job_spec.h"
+
+namespace shutterline::server {
+
+/// How a coordinator runs. The defaults suit a farm of a few machines; tests shorten the times.
+struct Config {
+  /// Where jobs, blobs, journals and frames are kept; made if it does not exist. One coordinator at a time
+  /// may use a folder.
+  std::string data_dir;
+  /// "HOST:PORT" to listen on, port 0 for any free one. Empty: in-process channels only.
+  std::string listen;
+  /// Permits listening on an address that other machines reach, although nothing is encrypted.
+  bool insecure_listen = false;
+
+  absl::Duration lease_ttl = absl::Seconds(15);            ///< Silence after which tiles are leased again.
+  absl::Duration heartbeat_interval = absl::Seconds(5);    ///< Asked of workers.
+  absl::Duration stream_grace = absl::Seconds(1);          ///< From a stream's end until its leases end.
+  absl::Duration batch_time = absl::Milliseconds(250);     ///< Thread time that a lease aims at.
+  absl::Duration commit_interval = absl::Milliseconds(5);  ///< Longest wait of a result for company.
+  int commit_tiles = 64;                                   ///< Results that are written without waiting.
+  int max_tile_failures = 3;                               ///< Of one tile, after which its job fails.
+
+  JobLimits job_limits;
+  uint64_t max_blob_bytes = uint64_t{2} << 30;
+  int max_message_bytes = 16 << 20;  ///< Of one received message.
+};
+
+/// INVALID_ARGUMENT where a value makes no sense or `listen` is open to others without `insecure_listen`.
+absl::Status Validate(const Config& config);
+
+}  // namespace shutterline::server
