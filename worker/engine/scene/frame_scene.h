@@ -32,6 +32,8 @@ struct FrameView {
   double FarDepth() const;
 };
 
+inline constexpr double kMaxCoordinate = 1e75;
+
 /// A mesh primitive placed by a node, in this frame.
 struct FramePrimitive {
   const MeshPrimitive* source = nullptr;  ///< Texture coordinates, colours; owned by the Scene.
@@ -46,11 +48,14 @@ struct FramePrimitive {
   /// The node mirrors: triangles are counter-clockwise in raster space (y up) after their corners have
   /// been swapped at build; kept for reports.
   bool mirrored = false;
-  /// Per-vertex unit normals in view space at mid-shutter, flipped with mirrored nodes; empty where the
+  /// The mesh has no vertex colours, or all of them are equal. Known for unlit materials only, else false.
+  bool uniform_colors = false;
+  /// Per-vertex unit normals in view space at mid-shutter, by the inverse transpose; none where the
   /// material is unlit or the mesh has none. normals[first_normal + (v - first_vertex)].
   bool has_normals = false;
   uint64_t first_normal = 0;
-  /// Largest path length of a vertex over the shutter, pixels; infinity if one crosses the near plane.
+  /// Largest path length of a vertex over the shutter, pixels; infinity if one is behind the near plane at
+  /// shutter open or close. 0 for degree 0, wherever the vertices are.
   double motion_pixels = 0;
 };
 
@@ -68,10 +73,15 @@ struct FrameScene {
   std::vector<FramePrimitive> primitives;
   std::vector<FrameTriangle> triangles;
   std::vector<RasterPoint> control_points;
-  std::vector<V3f> normals;
+  std::vector<V3f> normals;  ///< Zero where a vertex has no direction.
+  /// Mip pyramids by image of the scene, shared between its frames; null where no drawn material uses the
+  /// image.
+  TextureSet textures;
   /// For people: primitives whose true path leaves the linear one by more than 0.5 px, dropped vertices.
   std::vector<std::string> warnings;
-  int64_t dropped_triangles = 0;  ///< With a control point that is not finite.
+  /// With a control point that is not finite or so large (above kMaxCoordinate) that products of a few
+  /// coordinates would overflow.
+  int64_t dropped_triangles = 0;
 
   const RasterPoint& ControlPoint(const FramePrimitive& primitive, uint32_t vertex, int i) const {
     return control_points[primitive.first_control_point +

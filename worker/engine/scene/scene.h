@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/math/spaces.h"
+#include "worker/engine/scene/mip_pyramid.h"
 
 /// A scene as a glTF 2.0 file describes it: plain arrays joined by indices, with all keys of all
 /// animations. Immutable once imported, so any number of threads may read it; what a frame needs of it
@@ -155,6 +156,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Animation> animations;
   ImportReport report;
+  MipPyramidCache mip_pyramids;  ///< Of `images`; made when a frame first needs them.
 };
 
 }  // namespace shutterline::engine

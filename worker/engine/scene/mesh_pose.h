@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/math/spaces.h"
+#include "worker/engine/scene/camera_pose.h"
+#include "worker/engine/scene/pose.h"
+#include "worker/engine/scene/scene.h"
+
+namespace shutterline::engine {
+
+/// A mesh as a node draws it at one time, in view space: morph targets, then skin or node transform, then
+/// camera. A skinned primitive ignores the transform of its own node, as glTF demands; a primitive without
+/// influences ignores the skin. A vertex's result depends on its own inputs alone and is bit-equal for
+/// equal inputs. Immutable; keeps a reference to `scene`.
+class MeshPose {
+ public:
+  MeshPose(const Scene& scene, int node, const Pose& pose, const CameraPose& camera);
+
+  /// View space, metres. Not finite where the inputs are not or overflow.
+  V3d Position(const MeshPrimitive& primitive, uint32_t vertex) const;
+
+  /// Unit normal in view space, by the inverse transpose; zero where there is no direction. The primitive
+  /// must have normals.
+  V3d Normal(const MeshPrimitive& primitive, uint32_t vertex) const;
+
+  /// Whether the primitive is mirrored: the sign of the node's determinant, or, for skinned primitives, of
+  /// the skin's first joint matrix that is regular.
+  bool Mirrors(const MeshPrimitive& primitive) const;
+
+ private:
+  struct ActiveTarget {
+    size_t target;
+    double weight;
+  };
+  bool IsSkinned(const MeshPrimitive& primitive) const {
+    return !view_from_bind_.empty() && !primitive.influences.empty();
+  }
+
+  M44d view_from_object_;
+  std::vector<M44d> view_from_bind_;   ///< One a joint: inverse bind matrix, joint, camera.
+  std::vector<ActiveTarget> targets_;  ///< Those with a weight other than zero.
+};
+
+}  // namespace shutterline::engine

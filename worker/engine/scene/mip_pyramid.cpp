@@ -1,0 +1,118 @@
+#include "worker/engine/scene/mip_pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "worker/engine/scene/scene.h"
+
+namespace shutterline::engine {
+namespace {
+
+std::array<float, 256> MakeSrgbTable() {
+  std::array<float, 256> table{};
+  for (int code = 0; code < 256; ++code) {
+    const double s = code / 255.0;
+    table[size_t(code)] = float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+  }
+  return table;
+}
+
+const std::array<float, 256> kSrgbTable = MakeSrgbTable();
+
+/// Which texels of the larger level one texel covers along an axis, and how much of each: at most three.
+struct Cover {
+  int first = 0, count = 0;
+  std::array<float, 4> weights{};
+};
+
+Cover CoverOf(int i, int small, int large) {
+  const double scale = double(large) / small;
+  const double begin = i * scale, end = (i + 1) * scale;
+  Cover cover;
+  cover.first = int(begin);
+  for (int texel = cover.first; texel < large && cover.count < 4; ++texel) {
+    const double part = std::min<double>(end, texel + 1) - std::max<double>(begin, texel);
+    if (part <= 1e-9) break;
+    cover.weights[size_t(cover.count++)] = float(part / scale);
+  }
+  return cover;
+}
+
+}  // namespace
+
+float LinearFromSrgb8(uint8_t code) {
+  return kSrgbTable[code];
+}
+
+MipPyramid::MipPyramid(const TextureImage& image) : image_(image) {
+  for (int level = 0; Width(level) > 1 || Height(level) > 1; ++level) {
+    Level next;
+    next.width = std::max(1, Width(level) / 2);
+    next.height = std::max(1, Height(level) / 2);
+    next.rgb.resize(size_t(next.width) * size_t(next.height) * 3);
+    for (int y = 0; y < next.height; ++y) {
+      const Cover rows = CoverOf(y, next.height, Height(level));
+      for (int x = 0; x < next.width; ++x) {
+        const Cover columns = CoverOf(x, next.width, Width(level));
+        V3f sum(0);
+        for (int j = 0; j < rows.count; ++j) {
+          for (int i = 0; i < columns.count; ++i) {
+            sum += rows.weights[size_t(j)] * columns.weights[size_t(i)] *
+                   Texel(level, columns.first + i, rows.first + j);
+          }
+        }
+        uint16_t* texel = &next.rgb[(size_t(y) * size_t(next.width) + size_t(x)) * 3];
+        for (int c = 0; c < 3; ++c) {
+          texel[c] = uint16_t(std::lround(std::clamp(sum[c], 0.f, 1.f) * 65535.f));
+        }
+      }
+    }
+    levels_.push_back(std::move(next));
+  }
+}
+
+int MipPyramid::Width(int level) const {
+  return level == 0 ? image_.width : levels_[size_t(level) - 1].width;
+}
+
+int MipPyramid::Height(int level) const {
+  return level == 0 ? image_.height : levels_[size_t(level) - 1].height;
+}
+
+V3f MipPyramid::Texel(int level, int x, int y) const {
+  if (level == 0) {
+    const uint8_t* t = &image_.rgba[(size_t(y) * size_t(image_.width) + size_t(x)) * 4];
+    return {kSrgbTable[t[0]], kSrgbTable[t[1]], kSrgbTable[t[2]]};
+  }
+  const Level& l = levels_[size_t(level) - 1];
+  const uint16_t* t = &l.rgb[(size_t(y) * size_t(l.width) + size_t(x)) * 3];
+  return V3f(t[0], t[1], t[2]) / 65535.f;
+}
+
+MipPyramidCache& MipPyramidCache::operator=(const MipPyramidCache& other) {
+  if (this != &other) {
+    const std::lock_guard lock(mutex_);
+    pyramids_.clear();
+  }
+  return *this;
+}
+
+std::shared_ptr<const MipPyramid> MipPyramidCache::Get(const std::vector<TextureImage>& images,
+                                                       int image) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (pyramids_.size() != images.size()) pyramids_.assign(images.size(), nullptr);
+    if (const auto& made = pyramids_[size_t(image)]) return made;
+  }
+  // Made without the lock, so that several images are made at a time; if two threads make the same one,
+  // the first to finish wins and both are equal.
+  auto made = std::make_shared<const MipPyramid>(images[size_t(image)]);
+  const std::lock_guard lock(mutex_);
+  auto& slot = pyramids_[size_t(image)];
+  if (!slot) slot = std::move(made);
+  return slot;
+}
+
+}  // namespace shutterline::engine
