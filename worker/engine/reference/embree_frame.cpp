@@ -1,0 +1,122 @@
+#include "worker/engine/reference/embree_frame.h"
+
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "common/base/status_macros.h"
+#include "worker/engine/accel/view_scale.h"
+
+namespace shutterline::engine {
+
+NearestHits::NearestHits() {
+  InitCoherentQuery(context);
+  std::fill_n(distance, 16, std::numeric_limits<float>::infinity());
+  std::fill_n(triangle, 16, std::numeric_limits<uint32_t>::max());
+}
+
+/// Rejects hits from behind on single-sided surfaces, and all but the lowest of equally near triangles.
+/// Embree offers hits in no particular order, but every one that is not farther than the nearest so far.
+void EmbreeFrame::FilterHits(const RTCFilterFunctionNArguments* arguments) {
+  static_assert(offsetof(NearestHits, context) == 0);
+  auto& nearest = *reinterpret_cast<NearestHits*>(arguments->context);
+  const auto& info = *static_cast<const GeometryInfo*>(arguments->geometryUserPtr);
+  RTCRayN* const ray = arguments->ray;
+  RTCHitN* const hit = arguments->hit;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    if (!info.double_sided) {
+      // The normal is that of the ray's own time; it points to where the corners run counter-clockwise.
+      const float facing = RTCRayN_dir_x(ray, n, i) * RTCHitN_Ng_x(hit, n, i) +
+                           RTCRayN_dir_y(ray, n, i) * RTCHitN_Ng_y(hit, n, i) +
+                           RTCRayN_dir_z(ray, n, i) * RTCHitN_Ng_z(hit, n, i);
+      if (!(facing < 0)) {
+        arguments->valid[i] = 0;
+        continue;
+      }
+    }
+    const unsigned lane = RTCRayN_id(ray, n, i);
+    const float distance = RTCRayN_tfar(ray, n, i);  // The hit's, while the filter runs.
+    const uint32_t triangle = info.first_triangle + RTCHitN_primID(hit, n, i);
+    if (distance == nearest.distance[lane] && triangle > nearest.triangle[lane]) {
+      arguments->valid[i] = 0;
+      continue;
+    }
+    nearest.distance[lane] = distance;
+    nearest.triangle[lane] = triangle;
+  }
+}
+
+absl::StatusOr<EmbreeFrame> EmbreeFrame::Build(const FrameScene& frame, int threads) {
+  // More threads than processors would only make TBB complain.
+  tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
+  return arena.execute([&]() -> absl::StatusOr<EmbreeFrame> {
+    EmbreeFrame result;
+    SL_ASSIGN_OR_RETURN(result.device_, MakeEmbreeDevice());
+    const RTCDevice device = result.device_.get();
+    if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
+      return absl::InternalError(
+          "build the reference's scene: this Embree was built without filter functions");
+    }
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) {
+      result.packet_width_ = 16;
+    } else if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
+      result.packet_width_ = 8;
+    }
+    result.scale_ = ViewScale(frame);
+    result.scene_ = EmbreeScene(rtcNewScene(device));
+    rtcSetSceneFlags(result.scene(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(result.scene(), RTC_BUILD_QUALITY_MEDIUM);
+    for (const FramePrimitive& primitive : frame.primitives) {
+      result.infos_.push_back({primitive.first_triangle, primitive.material->double_sided});
+    }
+    for (unsigned p = 0; p < frame.primitives.size(); ++p) {
+      SL_RETURN_IF_ERROR(Annotate(result.AddPrimitive(frame, p), "build the reference's scene"));
+    }
+    rtcCommitScene(result.scene());
+    SL_RETURN_IF_ERROR(EmbreeStatus(device, "build the reference's scene"));
+    return result;
+  });
+}
+
+absl::Status EmbreeFrame::AddPrimitive(const FrameScene& frame, unsigned number) {
+  const FramePrimitive& primitive = frame.primitives[number];
+  if (primitive.triangle_count == 0) return absl::OkStatus();
+  const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  rtcSetGeometryTimeStepCount(geometry.get(), unsigned(primitive.degree) + 1);
+
+  for (int step = 0; step <= primitive.degree; ++step) {
+    auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
+                                                                  unsigned(step), RTC_FORMAT_FLOAT3,
+                                                                  3 * sizeof(float), primitive.vertex_count));
+    if (positions == nullptr) return EmbreeStatus(device_.get(), "vertices");
+    for (uint32_t v = 0; v < primitive.vertex_count; ++v) {
+      const RasterPoint& control_point = frame.ControlPoint(primitive, primitive.first_vertex + v, step);
+      const V3d p = frame.view.ViewFromRaster(control_point) / scale_;
+      for (int axis = 0; axis < 3; ++axis) *positions++ = float(p[axis]);
+    }
+  }
+
+  auto* corners = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0,
+                                                                 RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+                                                                 primitive.triangle_count));
+  if (corners == nullptr) return EmbreeStatus(device_.get(), "triangles");
+  for (uint32_t i = 0; i < primitive.triangle_count; ++i) {
+    for (const uint32_t vertex : frame.triangles[primitive.first_triangle + i].vertices) {
+      *corners++ = vertex - primitive.first_vertex;
+    }
+  }
+
+  rtcSetGeometryUserData(geometry.get(), &infos_[number]);
+  rtcSetGeometryIntersectFilterFunction(geometry.get(), &EmbreeFrame::FilterHits);
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometryByID(scene_.get(), geometry.get(), number);
+  return EmbreeStatus(device_.get(), "geometry");
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "worker/engine/accel/embree.h"
+#include "worker/engine/scene/frame_scene.h"
+
+namespace shutterline::engine {
+
+/// A frame's triangles as an Embree scene: one geometry a primitive, numbered alike, vertices in view space
+/// divided by scale(), two time steps where the primitive moves. Immutable; any number of threads may trace.
+class EmbreeFrame {
+ public:
+  static absl::StatusOr<EmbreeFrame> Build(const FrameScene& frame, int threads);
+
+  RTCScene scene() const { return scene_.get(); }
+  /// Metres a unit of Embree's coordinates, a power of two.
+  double scale() const { return scale_; }
+  /// Rays that this processor traces at once: 4, 8 or 16.
+  int packet_width() const { return packet_width_; }
+
+ private:
+  /// What the filter of a geometry needs to know of it.
+  struct GeometryInfo {
+    uint32_t first_triangle;
+    bool double_sided;
+  };
+
+  static void FilterHits(const RTCFilterFunctionNArguments* arguments);
+
+  absl::Status AddPrimitive(const FrameScene& frame, unsigned number);
+
+  // In this order: the scene goes before what its geometries point to, and before its device.
+  EmbreeDevice device_;
+  std::vector<GeometryInfo> infos_;
+  EmbreeScene scene_;
+  double scale_ = 1;
+  int packet_width_ = 4;
+};
+
+/// The context that rays must be traced with: remembers each ray's nearest hit, so that of equally near
+/// ones the lowest triangle wins whatever the order in which Embree meets them. A ray's `id` is its index
+/// here, below 16. One for each packet.
+struct NearestHits {
+  EmbreeQueryContext context;  // Embree hands its address to the filter: must come first.
+  float distance[16];
+  uint32_t triangle[16];
+
+  NearestHits();
+};
+
+}  // namespace shutterline::engine

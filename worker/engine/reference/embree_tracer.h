@@ -1,0 +1,56 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <vector>
+
+#include "common/job/render_settings.h"
+#include "common/math/spaces.h"
+#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/sampling/point_pattern.h"
+
+namespace shutterline::engine {
+
+/// `--integrator reference`: ground truth by point samples. Every pixel is the mean, under a box filter, of
+/// `settings.spp` rays at low-discrepancy points in (x, y, t), traced by Embree against triangles that move
+/// linearly over the shutter. The motion model is that of the line integrator: homogeneous raster space is
+/// a constant linear map of view space. Surfaces are hit between the near and the far plane; those seen
+/// from behind are passed where their material is not double-sided, facing being that at the ray's own
+/// time; of triangles at equal distance the lowest number is seen. Shading is evaluated at each hit.
+///
+/// Triangles are intersected in single precision, rays are made and samples summed in double. A pixel
+/// depends on nothing but its place, the frame, the seed and spp. It is bit-identical for any tiles and
+/// threads; processors whose Embree kernels differ (with and without fused multiplication) may decide
+/// single rays at the edge of a triangle differently.
+class EmbreeTracer : public TileIntegrator {
+ public:
+  /// `frame` numbers the picture: with `settings.seed` it chooses the samples. Builds Embree's tree with up
+  /// to `threads` threads. RESOURCE_EXHAUSTED or INTERNAL where Embree fails.
+  static absl::StatusOr<std::unique_ptr<EmbreeTracer>> Create(std::shared_ptr<const FrameScene> frame_scene,
+                                                              int frame, const RenderSettings& settings,
+                                                              int threads);
+
+  void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
+
+ private:
+  EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, EmbreeFrame embree, int frame,
+               const RenderSettings& settings);
+
+  template <int kWidth>
+  void RenderPixels(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;
+
+  /// The radiance that a hit shows. `b1`, `b2` as Embree gives them.
+  V3f Radiance(uint32_t triangle, double b1, double b2, double t) const;
+
+  std::shared_ptr<const FrameScene> frame_scene_;
+  EmbreeFrame embree_;
+  PointPattern pattern_;
+  int spp_;
+  /// By primitive: whether one shade serves every hit of a triangle; then it is in constant_shades_.
+  std::vector<bool> is_constant_;
+  std::vector<V3f> constant_shades_;  ///< By triangle; empty if no primitive is constant.
+};
+
+}  // namespace shutterline::engine
