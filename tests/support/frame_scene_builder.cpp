@@ -72,6 +72,7 @@ RasterPoint FrameSceneBuilder::Raster(const Corner& corner) const {
 int FrameSceneBuilder::AddMesh(std::vector<RasterPoint> open, std::vector<RasterPoint> close,
                                const std::vector<std::array<uint32_t, 3>>& triangles, const FlatLook& look) {
   SL_CHECK(close.empty() || close.size() == open.size());
+  SL_CHECK(look.vertex_colors.empty() || look.vertex_colors.size() == open.size());
   for (const auto& triangle : triangles) {
     for (const uint32_t vertex : triangle) SL_CHECK(vertex < open.size());
   }
@@ -148,6 +149,7 @@ std::shared_ptr<const FrameScene> FrameSceneBuilder::Build() const {
     scene->materials.push_back(material);
     MeshPrimitive source;
     source.positions.resize(part.open.size());
+    source.colors = part.look.vertex_colors;
     source.triangles = part.triangles;
     source.material = int(p);
     Mesh mesh;
@@ -172,6 +174,8 @@ std::shared_ptr<const FrameScene> FrameSceneBuilder::Build() const {
     primitive.first_vertex = vertex_count;
     primitive.vertex_count = uint32_t(part.open.size());
     primitive.degree = part.close.empty() ? 0 : 1;
+    primitive.uniform_colors = std::ranges::all_of(
+        part.look.vertex_colors, [&](const V4f& c) { return c == part.look.vertex_colors[0]; });
     primitive.first_control_point = frame->control_points.size();
     for (size_t v = 0; v < part.open.size(); ++v) {
       frame->control_points.push_back(part.open[v]);

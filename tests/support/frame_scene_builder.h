@@ -22,10 +22,12 @@ struct Corner {
   double x = 0, y = 0, distance = 1;
 };
 
-/// How the triangles of one primitive look: one unlit colour.
+/// How the triangles of one primitive look: one unlit colour, times the colours of the vertices if there
+/// are any (then shading varies over a triangle).
 struct FlatLook {
   V3f color{1, 1, 1};
   bool double_sided = true;
+  std::vector<V4f> vertex_colors = {};
 };
 
 /// Makes FrameScenes without a file: every Add call makes one primitive with its own unlit material and

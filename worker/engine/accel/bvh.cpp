@@ -24,11 +24,11 @@ constexpr unsigned kMaxLeafTriangles = 8;
 /// Far above what a sensible scene needs: only nested triangles of exponentially growing size come near.
 constexpr unsigned kMaxDepth = 512;
 /// Embree takes no coordinates from about 2^60 on. Scaled ones stay below 2^21.
-constexpr float kMaxCoordinate = 0x1p60f;
+constexpr float kEmbreeLimit = 0x1p60f;
 
 /// The nearest float not above (not below) `value`.
 float RoundDown(double value) {
-  const float f = float(std::clamp(value, -double(kMaxCoordinate), double(kMaxCoordinate)));
+  const float f = float(std::clamp(value, -double(kEmbreeLimit), double(kEmbreeLimit)));
   return double(f) > value ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
 float RoundUp(double value) {
