@@ -25,8 +25,9 @@ constexpr size_t kNamedPrimitives = 16;
 /// Besides 1/4, 1/2 and 3/4, the path is checked at so many keys inside the shutter.
 constexpr size_t kCheckedKeys = 13;
 
-bool AllEqual(const std::vector<V4f>& colors) {
-  return std::all_of(colors.begin(), colors.end(), [&](const V4f& color) { return color == colors[0]; });
+bool AreEqual(const std::vector<V4f>& colors) {
+  return !colors.empty() &&
+         std::all_of(colors.begin(), colors.end(), [&](const V4f& color) { return color == colors[0]; });
 }
 
 }  // namespace
@@ -113,7 +114,7 @@ absl::Status FrameBuilder::PlaceMeshes() {
       primitive.material = &scene_.materials[size_t(source.material)];
       primitive.node = node;
       primitive.has_normals = !primitive.material->unlit && !source.normals.empty();
-      primitive.uniform_colors = primitive.material->unlit && AllEqual(source.colors);
+      primitive.uniform_colors = primitive.material->unlit && AreEqual(source.colors);
       primitive.first_vertex = uint32_t(vertices);
       primitive.vertex_count = uint32_t(source.positions.size());
       triangles += source.triangles.size();

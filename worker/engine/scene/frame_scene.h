@@ -32,6 +32,7 @@ struct FrameView {
   double FarDepth() const;
 };
 
+/// Largest magnitude of a control point's coordinate: a product of four of them is still finite.
 inline constexpr double kMaxCoordinate = 1e75;
 
 /// A mesh primitive placed by a node, in this frame.
@@ -48,7 +49,7 @@ struct FramePrimitive {
   /// The node mirrors: triangles are counter-clockwise in raster space (y up) after their corners have
   /// been swapped at build; kept for reports.
   bool mirrored = false;
-  /// The mesh has no vertex colours, or all of them are equal. Known for unlit materials only, else false.
+  /// The mesh has vertex colours and all of them are equal. Looked at for unlit materials only, else false.
   bool uniform_colors = false;
   /// Per-vertex unit normals in view space at mid-shutter, by the inverse transpose; none where the
   /// material is unlit or the mesh has none. normals[first_normal + (v - first_vertex)].

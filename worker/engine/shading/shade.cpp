@@ -36,10 +36,11 @@ V3d VertexColor(const ShadingPoint& point) {
   return sum;
 }
 
-/// Whether the texture exists and the mesh has the coordinates for it.
+/// Whether the frame has the texture and the mesh the coordinates for it.
 bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference) {
   if (reference.texture < 0 || reference.texcoord < 0 || reference.texcoord > 1) return false;
-  return frame.scene->textures[size_t(reference.texture)].image >= 0 &&
+  const int image = frame.scene->textures[size_t(reference.texture)].image;
+  return image >= 0 && size_t(image) < frame.textures.size() && frame.textures[size_t(image)] != nullptr &&
          !source.texcoords[size_t(reference.texcoord)].empty();
 }
 
@@ -104,7 +105,7 @@ V3f Shade(const FrameScene& frame, uint32_t triangle, const Barycentric& at, con
 
 bool IsConstantShade(const FrameScene& frame, const FramePrimitive& primitive) {
   const Material& material = *primitive.material;
-  return material.unlit && primitive.uniform_colors &&
+  return material.unlit && (primitive.uniform_colors || primitive.source->colors.empty()) &&
          !IsUsed(frame, *primitive.source, material.base_color_texture);
 }
 
