@@ -28,12 +28,13 @@ V3d VertexColor(const ShadingPoint& point) {
   const std::vector<V4f>& colors = point.primitive.source->colors;
   if (colors.empty()) return V3d(1);
   if (point.primitive.uniform_colors) return {colors[0].x, colors[0].y, colors[0].z};
-  V3d sum(0);
-  for (int k = 0; k < 3; ++k) {
-    const V4f& c = colors[point.Local(k)];
-    sum += point.weights[size_t(k)] * V3d(c.x, c.y, c.z);
-  }
-  return sum;
+  const auto color = [&](int corner) {
+    const V4f& c = colors[point.Local(corner)];
+    return V3d(c.x, c.y, c.z);
+  };
+  // In this form, equal colours come out exactly.
+  const V3d first = color(0);
+  return first + point.weights[1] * (color(1) - first) + point.weights[2] * (color(2) - first);
 }
 
 /// Whether the frame has the texture and the mesh the coordinates for it.

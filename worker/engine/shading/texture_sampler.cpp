@@ -11,6 +11,11 @@ double TexelCoordinate(double u, int size) {
   return std::clamp(u, -1e9, 1e9) * size;
 }
 
+/// Exact where both ends are equal, so that a constant image stays constant.
+V3f Mix(const V3f& a, const V3f& b, float part) {
+  return a + part * (b - a);
+}
+
 V3f Nearest(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
   const int width = pyramid.Width(level), height = pyramid.Height(level);
   const auto x = int64_t(std::floor(TexelCoordinate(uv.x, width)));
@@ -25,9 +30,8 @@ V3f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const
   const auto fx = float(x - double(x0)), fy = float(y - double(y0));
   const int left = WrapTexel(x0, width, texture.wrap_s), right = WrapTexel(x0 + 1, width, texture.wrap_s);
   const int top = WrapTexel(y0, height, texture.wrap_t), bottom = WrapTexel(y0 + 1, height, texture.wrap_t);
-  const V3f upper = (1 - fx) * pyramid.Texel(level, left, top) + fx * pyramid.Texel(level, right, top);
-  const V3f lower = (1 - fx) * pyramid.Texel(level, left, bottom) + fx * pyramid.Texel(level, right, bottom);
-  return (1 - fy) * upper + fy * lower;
+  return Mix(Mix(pyramid.Texel(level, left, top), pyramid.Texel(level, right, top), fx),
+             Mix(pyramid.Texel(level, left, bottom), pyramid.Texel(level, right, bottom), fx), fy);
 }
 
 /// Length of a footprint axis in texels of level 0.
@@ -59,7 +63,7 @@ V3f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, con
   const auto between = float(lod - level);
   const V3f fine = Bilinear(pyramid, level, texture, uv);
   if (between == 0) return fine;
-  return (1 - between) * fine + between * Bilinear(pyramid, level + 1, texture, uv);
+  return Mix(fine, Bilinear(pyramid, level + 1, texture, uv), between);
 }
 
 }  // namespace shutterline::engine

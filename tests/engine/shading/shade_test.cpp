@@ -1,0 +1,188 @@
+#include "worker/engine/shading/shade.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/engine/scene_motion/scene_builder.h"
+
+namespace shutterline::engine {
+namespace {
+
+/// A quad from (-1, -1, 0) to (1, 1, 0) before a camera at (0, 0, 5); its texture coordinates run from
+/// (0, 0) at the top left to (1, 1).
+struct QuadScene : SceneBuilder {
+  int node = -1;
+
+  QuadScene() {
+    MeshPrimitive quad;
+    quad.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    quad.triangles = {{0, 1, 2}, {0, 2, 3}};
+    quad.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    AddCamera();
+    node = AddNode(-1, V3d(0), AddMesh(quad));
+  }
+  MeshPrimitive& quad() { return scene->meshes[0].primitives[0]; }
+  Material& material() { return scene->materials[0]; }
+
+  int AddTexture(int width, int height, const std::vector<uint8_t>& rgba) {
+    TextureImage image;
+    image.width = width;
+    image.height = height;
+    image.rgba = rgba;
+    scene->images.push_back(image);
+    scene->textures.emplace_back();
+    scene->textures.back().image = int(scene->images.size()) - 1;
+    return int(scene->textures.size()) - 1;
+  }
+  std::shared_ptr<const FrameScene> Build(const RenderSettings& settings = SquareSettings()) {
+    const auto built = BuildFrameScene(scene, 0, settings);
+    EXPECT_TRUE(built.ok()) << built.status().ToString();
+    return *built;
+  }
+};
+
+void ExpectColor(const V3f& actual, const V3d& expected, double tolerance = 1e-6) {
+  EXPECT_NEAR(actual.x, expected.x, tolerance);
+  EXPECT_NEAR(actual.y, expected.y, tolerance);
+  EXPECT_NEAR(actual.z, expected.z, tolerance);
+}
+
+TEST(Shade, UnlitIsTheBaseColourAndNothingElse) {
+  QuadScene s;
+  s.material().unlit = true;
+  s.material().base_color_factor = {0.25f, 0.5f, 2, 0.1f};
+  s.material().emissive_factor = {9, 9, 9};
+  s.quad().normals.assign(4, V3f(1, 0, 0));
+  const auto frame = s.Build();
+  EXPECT_FALSE(frame->primitives[0].has_normals);
+  EXPECT_TRUE(IsConstantShade(*frame, frame->primitives[0]));
+  EXPECT_EQ(Shade(*frame, 0, {0.2, 0.3}, {}), V3f(0.25f, 0.5f, 2));
+}
+
+TEST(Shade, HeadLightFallsOffWithTheCosine) {
+  for (const double angle : {0.0, 0.4, 1.2}) {
+    QuadScene s;
+    s.material().base_color_factor = {1, 0.5f, 0.25f, 1};
+    // Seen from far away, the direction to the camera is the same all over.
+    s.scene->nodes[0].transform.translation = {0, 0, 1e9};
+    s.scene->nodes[size_t(s.node)].transform.rotation.setAxisAngle(V3d(0, 1, 0), angle);
+    const double light = 0.15 + 0.85 * std::cos(angle);
+    ExpectColor(Shade(*s.Build(), 0, {0.2, 0.3}, {}), light * V3d(1, 0.5, 0.25));
+    // The same by vertex normals, the wrong way round even.
+    s.quad().normals.assign(4, V3f(0, 0, -1));
+    ExpectColor(Shade(*s.Build(), 0, {0.2, 0.3}, {}), light * V3d(1, 0.5, 0.25));
+  }
+}
+
+TEST(Shade, TheDirectionToTheCameraIsThatOfThePoint) {
+  QuadScene s;
+  const auto frame = s.Build();
+  EXPECT_FALSE(IsConstantShade(*frame, frame->primitives[0]));
+  // Triangle 0 has its corners at (-1, -1), (1, -1) and (1, 1); the camera is 5 m away.
+  for (const auto& [b1, b2] : {std::pair(0.0, 0.0), std::pair(0.5, 0.25), std::pair(0.0, 1.0)}) {
+    const double x = -1 + 2 * b1 + 2 * b2, y = -1 + 2 * b2;
+    const double cosine = 5 / std::sqrt(x * x + y * y + 25);
+    ExpectColor(Shade(*frame, 0, {b1, b2}, {}), V3d(0.15 + 0.85 * cosine));
+  }
+}
+
+TEST(Shade, OrthographicViewsHaveOneDirection) {
+  QuadScene s;
+  s.scene->cameras[0].perspective = false;
+  s.scene->cameras[0].zfar = 100;
+  ExpectColor(Shade(*s.Build(), 0, {0.9, 0.05}, {}), V3d(1));
+}
+
+TEST(Shade, NormalsAreInterpolated) {
+  QuadScene s;
+  s.scene->nodes[0].transform.translation = {0, 0, 1e9};
+  const float h = std::sqrt(0.5f);
+  s.quad().normals = {V3f(h, 0, h), V3f(-h, 0, h), V3f(-h, 0, h), V3f(h, 0, h)};
+  const auto frame = s.Build();
+  ExpectColor(Shade(*frame, 0, {0, 0}, {}), V3d(0.15 + 0.85 * std::sqrt(0.5)));
+  ExpectColor(Shade(*frame, 0, {0.5, 0}, {}), V3d(1));
+}
+
+TEST(Shade, EmissionIsAddedToTheLight) {
+  QuadScene s;
+  s.material().base_color_factor = {0, 0, 0, 1};
+  s.material().emissive_factor = {1, 0.5f, 3};
+  ExpectColor(Shade(*s.Build(), 0, {0.2, 0.3}, {}), V3d(1, 0.5, 3));
+  s.material().emissive_texture.texture = s.AddTexture(1, 1, {255, 255, 0, 255});
+  ExpectColor(Shade(*s.Build(), 0, {0.2, 0.3}, {}), V3d(1, 0.5, 0));
+}
+
+TEST(Shade, VertexColoursAreMultipliedIn) {
+  QuadScene s;
+  s.material().unlit = true;
+  s.material().base_color_factor = {0.5f, 1, 1, 1};
+  s.quad().colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {0, 0, 0, 1}};
+  auto frame = s.Build();
+  EXPECT_FALSE(IsConstantShade(*frame, frame->primitives[0]));
+  ExpectColor(Shade(*frame, 0, {0.25, 0.5}, {}), V3d(0.125, 0.25, 0.5));
+  s.quad().colors.assign(4, V4f(0.5f, 0.25f, 1, 1));
+  frame = s.Build();
+  EXPECT_TRUE(IsConstantShade(*frame, frame->primitives[0]));
+  ExpectColor(Shade(*frame, 0, {0.25, 0.5}, {}), V3d(0.25, 0.25, 1));
+}
+
+TEST(Shade, TexturesLieTheRightWayUp) {
+  QuadScene s;
+  s.material().unlit = true;
+  // Red, green above blue, white; nearest, so that a quarter of the quad has one colour.
+  s.material().base_color_texture.texture =
+      s.AddTexture(2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255});
+  s.scene->textures[0].nearest = true;
+  const auto frame = s.Build();
+  EXPECT_FALSE(IsConstantShade(*frame, frame->primitives[0]));
+  ExpectColor(Shade(*frame, 0, {0.1, 0.1}, {}), V3d(0, 0, 1));   // Near (-1, -1): bottom left.
+  ExpectColor(Shade(*frame, 0, {0.8, 0.1}, {}), V3d(1, 1, 1));   // Near (1, -1): bottom right.
+  ExpectColor(Shade(*frame, 0, {0.1, 0.8}, {}), V3d(0, 1, 0));   // Near (1, 1): top right.
+  ExpectColor(Shade(*frame, 1, {0.1, 0.85}, {}), V3d(1, 0, 0));  // Near (-1, 1): top left.
+  // A pixel as large as the triangle sees the mean of all.
+  ExpectColor(Shade(*frame, 0, {0.1, 0.1}, {.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1}), V3d(0.5),
+              1e-4);
+}
+
+TEST(Shade, MaterialsWhoseMeshHasNoCoordinatesIgnoreTheTexture) {
+  QuadScene s;
+  s.material().unlit = true;
+  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1};
+  const auto frame = s.Build();
+  EXPECT_TRUE(IsConstantShade(*frame, frame->primitives[0]));
+  EXPECT_EQ(Shade(*frame, 0, {0.1, 0.1}, {}), V3f(1));
+}
+
+TEST(Shade, FramesOfASceneShareTheirTextures) {
+  QuadScene s;
+  s.material().base_color_texture.texture = s.AddTexture(1, 1, {1, 2, 3, 255});
+  s.AddTexture(1, 1, {4, 5, 6, 255});
+  const auto one = s.Build(), two = s.Build();
+  EXPECT_NE(one->textures[0], nullptr);
+  EXPECT_EQ(one->textures[0], two->textures[0]);
+  EXPECT_EQ(one->textures[1], nullptr);  // No material uses it.
+}
+
+TEST(Shade, MirroredNodesLookLikeTheirMirrorImage) {
+  QuadScene plain, mirrored;
+  for (QuadScene* s : {&plain, &mirrored}) {
+    s->material().unlit = true;
+    s->quad().colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {1, 1, 0, 1}};
+  }
+  mirrored.scene->nodes[size_t(mirrored.node)].transform.scale = {-1, 1, 1};
+  const auto a = plain.Build(), b = mirrored.Build();
+  ASSERT_TRUE(b->primitives[0].mirrored);
+  // Corners 1 and 2 are swapped in the mirrored triangle, and so are their barycentric coordinates.
+  EXPECT_EQ(Shade(*a, 0, {0.125, 0.5}, {}), Shade(*b, 0, {0.5, 0.125}, {}));
+}
+
+TEST(Shade, DegenerateTrianglesShadeToNumbers) {
+  QuadScene s;
+  s.quad().positions.assign(4, V3f(0, 0, 5));  // A point, in the camera itself.
+  const V3f color = Shade(*s.Build(), 0, {0.25, 0.25}, {});
+  EXPECT_EQ(color, V3f(1));
+}
+
+}  // namespace
+}  // namespace shutterline::engine
