@@ -25,7 +25,7 @@ const std::vector<Entry>& Entries() {
       {{"fan", "blades that turn 30 degrees (--motion: pixels at their tips) behind a still guard", 1, 0, 1,
         0, 1000},
        MakeFan},
-      {{"debris", "triangles (--triangles 5000), each on a line of its own (--motion 60 at most)", 1, 2000000,
+      {{"debris", "triangles (--triangles 5000), each on a line of its own (--motion 60 for the fastest)", 1, 2000000,
         1, 0, 1000},
        MakeDebris},
       {{"trees", "a forest (--triangles 270000) that the camera passes (--motion 64 for the nearest leaf)",
