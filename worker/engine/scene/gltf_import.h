@@ -21,6 +21,11 @@ struct ImportLimits {
   uint32_t max_image_side = 16384;
   uint32_t max_nodes = 1 << 20;
   uint32_t max_depth = 512;  ///< Of the node tree and of the JSON.
+  /// Memory that decoded meshes, keys and skins may take: this much for any file, and so many bytes for
+  /// each byte of the file. What shares its accessors is stored more than once, so a small file could ask
+  /// for far more than its size.
+  uint64_t base_memory = uint64_t{512} << 20;
+  uint64_t memory_per_file_byte = 64;
 };
 
 /// Imports a glTF 2.0 (.gltf, JSON) or GLB file; what it is, is read from its first bytes.

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <absl/strings/string_view.h>
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+
+namespace shutterline::engine {
+
+/// Parses JSON whose arrays and objects nest at most `max_depth` deep; no exception leaves. Where a key
+/// occurs twice in an object, the last one counts.
+absl::StatusOr<nlohmann::json> ParseBoundedJson(absl::string_view text, uint32_t max_depth);
+
+}  // namespace shutterline::engine
