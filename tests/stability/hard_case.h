@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/math/spaces.h"
+#include "tests/support/frame_scene_builder.h"
+#include "tests/support/resolved_tile.h"
+
+/// Hard cases are written for the pixel [0, 1]² of raster space, w = 1 unless they are about perspective,
+/// and depth d in (0, 1], larger is nearer. A case can be replayed under the changes that must not
+/// matter: moved to another pixel, mirrored, with x and y exchanged, with time reversed.
+namespace shutterline::engine::hard_case {
+
+struct MovingTriangle {
+  std::array<RasterPoint, 3> open, close;
+};
+
+struct Case {
+  std::vector<MovingTriangle> triangles;   ///< Their index is their id.
+  bool double_sided = true;
+};
+
+/// A change under which the answer stays the same.
+struct Variant {
+  int dx = 0, dy = 0;   ///< Whole pixels.
+  bool mirror = false;
+  bool swap = false;
+  bool reverse = false;
+
+  std::string Name() const;
+};
+
+/// All combinations of mirror, swap and reverse, some of them moved.
+std::vector<Variant> AllVariants();
+/// Moved and time-reversed only: for patterns that are not symmetric (rgls).
+std::vector<Variant> VariantsThatKeepLines();
+
+RasterPoint At(double x, double y, double depth = 0.5);
+/// A quad from corners in order, as two triangles, moving from `open` to `close`.
+void AddQuad(Case& c, const std::array<RasterPoint, 4>& open, const std::array<RasterPoint, 4>& close);
+/// The rectangle [x0, x1] × [y0, y1] that slides by (vx, vy).
+void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx, double vy, double depth = 0.5);
+
+/// Coverage of the pixel, per triangle and in sum.
+struct Answer {
+  std::vector<double> coverage;
+  double sum = 0;
+  double background = 0;
+};
+Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& variant = {});
+
+/// Coverage of the stretch [0, 1] of the line y = height, summed over all triangles and without hiding,
+/// by `instants` instants in the middle of their strata.
+double LineCoverage(const Case& c, double height, int instants, double offset = 0.5);
+
+/// Slope of log2(error) against log2(n), fitted by least squares.
+double FittedSlope(const std::vector<int>& n, const std::vector<double>& error);
+
+}  // namespace shutterline::engine::hard_case
