@@ -25,7 +25,10 @@ std::string Variant::Name() const {
 std::vector<Variant> AllVariants() {
   std::vector<Variant> variants;
   for (int i = 0; i < 8; ++i) {
-    variants.push_back({.dx = i % 3 * 7, .dy = i % 2 * 13, .mirror = (i & 1) != 0, .swap = (i & 2) != 0,
+    variants.push_back({.dx = i % 3 * 7,
+                        .dy = i % 2 * 13,
+                        .mirror = (i & 1) != 0,
+                        .swap = (i & 2) != 0,
                         .reverse = (i & 4) != 0});
   }
   return variants;
@@ -35,7 +38,9 @@ std::vector<Variant> VariantsThatKeepLines() {
   return {{}, {.dx = 5, .dy = 11}, {.reverse = true}, {.dx = 31, .dy = 30, .reverse = true}};
 }
 
-RasterPoint At(double x, double y, double depth) { return {x, y, depth, 1}; }
+RasterPoint At(double x, double y, double depth) {
+  return {x, y, depth, 1};
+}
 
 void AddQuad(Case& c, const std::array<RasterPoint, 4>& open, const std::array<RasterPoint, 4>& close) {
   c.triangles.push_back({{open[0], open[1], open[2]}, {close[0], close[1], close[2]}});
@@ -66,7 +71,7 @@ Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& 
       std::swap(close[1], close[2]);
     }
     if (variant.reverse) std::swap(open, close);
-    builder.AddTriangle(open, close, FlatLook{.double_sided = c.double_sided});
+    builder.AddRasterTriangle(open, close, FlatLook{.double_sided = c.double_sided});
   }
   const TileRect tile{0, 0, 32, 32};
   const ResolvedTile resolved(*builder.Build(), tile, LineSettings(pattern, instants));
@@ -80,7 +85,8 @@ Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& 
 }
 
 double LineCoverage(const Case& c, double height, int instants, double offset) {
-  const SegmentLine line{.major_is_x = true, .slope = 0, .intercept = height, .begin = 0, .end = kSubpixelsPerPixel};
+  const SegmentLine line{
+      .major_is_x = true, .slope = 0, .intercept = height, .begin = 0, .end = kSubpixelsPerPixel};
   double covered = 0;
   for (const MovingTriangle& source : c.triangles) {
     TileTriangle triangle;

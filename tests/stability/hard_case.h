@@ -20,13 +20,13 @@ struct MovingTriangle {
 };
 
 struct Case {
-  std::vector<MovingTriangle> triangles;   ///< Their index is their id.
+  std::vector<MovingTriangle> triangles;  ///< Their index is their id.
   bool double_sided = true;
 };
 
 /// A change under which the answer stays the same.
 struct Variant {
-  int dx = 0, dy = 0;   ///< Whole pixels.
+  int dx = 0, dy = 0;  ///< Whole pixels.
   bool mirror = false;
   bool swap = false;
   bool reverse = false;
@@ -43,7 +43,8 @@ RasterPoint At(double x, double y, double depth = 0.5);
 /// A quad from corners in order, as two triangles, moving from `open` to `close`.
 void AddQuad(Case& c, const std::array<RasterPoint, 4>& open, const std::array<RasterPoint, 4>& close);
 /// The rectangle [x0, x1] × [y0, y1] that slides by (vx, vy).
-void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx, double vy, double depth = 0.5);
+void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx, double vy,
+                  double depth = 0.5);
 
 /// Coverage of the pixel, per triangle and in sum.
 struct Answer {

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "common/job/render_settings.h"
+#include "worker/engine/render/stats.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/visibility/pair_weights.h"
 #include "worker/engine/visibility/tile_triangles.h"
-#include "worker/engine/render/stats.h"
 
 namespace shutterline::engine {
 
@@ -25,7 +25,9 @@ class ResolvedTile {
   uint64_t total() const { return weights_.total(); }
 
   /// The same as fractions of the pixel.
-  double Coverage(int x, int y, uint32_t triangle) const { return double(Weight(x, y, triangle)) / double(total()); }
+  double Coverage(int x, int y, uint32_t triangle) const {
+    return double(Weight(x, y, triangle)) / double(total());
+  }
   double Coverage(int x, int y) const { return double(Covered(x, y)) / double(total()); }
   double Background(int x, int y) const { return double(total() - Covered(x, y)) / double(total()); }
 

@@ -11,7 +11,8 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr PatternKind kAll[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls};
+constexpr PatternKind kAll[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
+                                PatternKind::kRgls};
 
 TEST(LinePattern, EveryPixelHoldsTheSameNumberOfSteps) {
   for (const PatternKind kind : kAll) {
@@ -72,7 +73,8 @@ TEST(LinePattern, RectanglesAgreeOnTheLinesThatTheyShare) {
 
 TEST(LinePattern, RglsHas96LinesOfEachFamilyInATile) {
   std::map<int, int> lines;
-  for (const TileLine& line : LinePattern::Get(PatternKind::kRgls).LinesIn({0, 0, 32, 32})) ++lines[line.family];
+  for (const TileLine& line : LinePattern::Get(PatternKind::kRgls).LinesIn({0, 0, 32, 32}))
+    ++lines[line.family];
   // y = x/2 + k/2 enters a step of the tile for k = -31..63.
   EXPECT_EQ(lines[0], 95);
   EXPECT_EQ(lines[1], 95);

@@ -54,7 +54,9 @@ std::vector<LineSegment> RandomSegments(std::mt19937_64& random, int count) {
   return segments;
 }
 
-TEST(Envelope, NothingShowsNothing) { EXPECT_TRUE(March({}).empty()); }
+TEST(Envelope, NothingShowsNothing) {
+  EXPECT_TRUE(March({}).empty());
+}
 
 TEST(Envelope, CrossingSegmentsAreCutWhereTheyCross) {
   const auto spans = March({Make(0, 0, 32, 0.2, 0.8), Make(1, 0, 32, 0.8, 0.2)});
@@ -93,7 +95,8 @@ TEST(Envelope, AFoldShowsTheFasterRisingSide) {
 }
 
 /// The nearest segment at a subpixel, by looking at all of them.
-std::optional<uint32_t> NearestByBruteForce(const std::vector<LineSegment>& segments, int32_t at, double* lead) {
+std::optional<uint32_t> NearestByBruteForce(const std::vector<LineSegment>& segments, int32_t at,
+                                            double* lead) {
   std::optional<uint32_t> nearest;
   *lead = 1;
   const double l = (at + 0.5) / kPixel;
@@ -122,7 +125,9 @@ TEST(Envelope, AgreesWithBruteForceAtRandomPlaces) {
                                      [&](const VisibleSpan& s) { return s.begin <= at && at < s.end; });
       ASSERT_EQ(expected.has_value(), span != spans.end()) << "at " << at;
       // Within rounding of a crossing either side is right.
-      if (expected && lead > 1e-7) { EXPECT_EQ(span->segment, *expected) << "at " << at; }
+      if (expected && lead > 1e-7) {
+        EXPECT_EQ(span->segment, *expected) << "at " << at;
+      }
     }
   }
 }
@@ -166,7 +171,8 @@ TEST(Envelope, NearlyCoplanarSegmentsEndInFewSpans) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> noise(-1e-16, 1e-16);
   std::vector<LineSegment> segments;
-  for (uint32_t i = 0; i < 300; ++i) segments.push_back(Make(i, 0, 32, 0.4 + noise(random), 0.6 + noise(random)));
+  for (uint32_t i = 0; i < 300; ++i)
+    segments.push_back(Make(i, 0, 32, 0.4 + noise(random), 0.6 + noise(random)));
   const auto spans = March(segments);
   EXPECT_LE(spans.size(), segments.size());
   EXPECT_EQ(spans.front().begin, 0);
@@ -179,7 +185,8 @@ TEST(FrontToBack, IsTheEnvelopeWhateverTheBatches) {
     std::mt19937_64 random(seed);
     auto segments = RandomSegments(random, 500);
     // A wall of small pieces, none of which covers the line alone.
-    for (int i = 0; i < 64; ++i) segments.push_back(Make(uint32_t(500 + i), i / 2.0, (i + 1) / 2.0, 0.9, 0.95));
+    for (int i = 0; i < 64; ++i)
+      segments.push_back(Make(uint32_t(500 + i), i / 2.0, (i + 1) / 2.0, 0.9, 0.95));
     std::sort(segments.begin(), segments.end(), [](const LineSegment& a, const LineSegment& b) {
       return std::max(a.d0, a.d1) > std::max(b.d0, b.d1);
     });

@@ -82,18 +82,16 @@ std::vector<TileLine> LinePattern::LinesIn(const TileRect& rect) const {
 }
 
 double InstantOffset(const LineFamily& family, int family_index, int64_t number) {
-  // Order the lines that meet in a pixel first (number within the pixel, then family), then the pixels.
-  const auto lines_per_pixel = uint64_t(std::lround(1 / family.spacing));
-  const auto k = uint64_t(number);
-  uint64_t index =
-      k % lines_per_pixel + lines_per_pixel * (uint64_t(family_index) + 2 * (k / lines_per_pixel));
-  constexpr int kBits = 16;
+  // The lines that meet in a pixel: number within the pixel first, then family.
+  const auto lines_per_pixel = int64_t(std::lround(1 / family.spacing));
+  const int64_t within = ((number % lines_per_pixel) + lines_per_pixel) % lines_per_pixel;
+  auto index = uint64_t(within + lines_per_pixel * family_index);
   double offset = 0;
   double digit = 0.5;
-  for (int bit = 0; bit < kBits; ++bit, digit /= 2, index >>= 1) {
+  for (int64_t cells = 2 * lines_per_pixel; cells > 1; cells /= 2, digit /= 2, index >>= 1) {
     if ((index & 1) != 0) offset += digit;
   }
-  return offset + digit;  // The centre of the cell of the last bit: never 0 or 1.
+  return offset + digit;  // The centre of the cell of the last digit.
 }
 
 }  // namespace shutterline::engine

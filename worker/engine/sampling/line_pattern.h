@@ -59,8 +59,10 @@ class LinePattern {
 };
 
 /// The offset of a line's instants within their strata of the shutter, in (0, 1): the van der Corput
-/// sequence over the lines of a pixel first, then over its neighbours. The lines that cross one pixel so
-/// interleave their instants evenly: 4 lines of K instants sample that pixel at 4K different times.
+/// sequence over the n lines that meet in a pixel, in the centres of its n cells. Those lines interleave
+/// their instants evenly, so that n lines of K instants sample a pixel at nK equidistant times, and the
+/// mean of their offsets is exactly ½: what changes linearly in time is integrated without error.
+/// (Offsets that also differ from pixel to pixel lose that: every pixel is then biased by up to 1/(2nK).)
 double InstantOffset(const LineFamily& family, int family_index, int64_t number);
 
 }  // namespace shutterline::engine

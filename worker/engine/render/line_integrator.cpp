@@ -1,0 +1,156 @@
+#include "worker/engine/render/line_integrator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "common/base/check.h"
+#include "common/math/tolerance.h"
+#include "worker/engine/shading/footprint.h"
+#include "worker/engine/shading/shade.h"
+
+namespace shutterline::engine {
+namespace {
+
+/// Adds the time since the last lap to one of the stages.
+class StageTimer {
+ public:
+  void Lap(double& seconds) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// A pair's share of its pixel.
+struct Contribution {
+  uint64_t weight;
+  V3f color;
+};
+
+/// An order that depends on what is added only, not on how triangles are numbered: sums of equal sets of
+/// contributions are then equal to the last bit.
+bool CanonicalOrder(const Contribution& a, const Contribution& b) {
+  return std::tie(a.weight, a.color.x, a.color.y, a.color.z) <
+         std::tie(b.weight, b.color.x, b.color.y, b.color.z);
+}
+
+std::vector<PrimitiveTraits> TraitsOf(const FrameScene& frame) {
+  std::vector<PrimitiveTraits> traits;
+  traits.reserve(frame.primitives.size());
+  for (const FramePrimitive& primitive : frame.primitives) {
+    const Material& material = *primitive.material;
+    traits.push_back(
+        {.cull_back = !material.double_sided,
+         .needs_position = !IsConstantShade(frame, primitive),
+         .textured = material.base_color_texture.texture >= 0 || material.emissive_texture.texture >= 0});
+  }
+  return traits;
+}
+
+/// The footprint of a pixel in the middle of the pair's part of the shutter.
+Footprint FootprintOf(const FrameScene& frame, const PixelPair& pair, const Barycentric& at, int bins_log2) {
+  const FrameTriangle& triangle = frame.triangles[pair.triangle];
+  const FramePrimitive& primitive = frame.primitives[triangle.primitive];
+  const double t = (pair.bin + 0.5) / double(1u << bins_log2);
+  RasterPoint vertices[3];
+  for (int i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, triangle.vertices[i], t);
+  return PixelFootprint(vertices, at);
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
+    std::shared_ptr<const FrameScene> frame, const RenderSettings& settings, int threads) {
+  absl::StatusOr<std::unique_ptr<const Bvh>> bvh = Bvh::Build(frame, threads);
+  if (!bvh.ok()) return bvh.status();
+  return std::unique_ptr<TileIntegrator>(new LineIntegrator(std::move(frame), settings, *std::move(bvh)));
+}
+
+LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
+                               std::unique_ptr<const Bvh> bvh)
+    : frame_(std::move(frame)),
+      pattern_(LinePattern::Get(settings.pattern)),
+      bvh_(std::move(bvh)),
+      resolver_(MakeResolver(settings)),
+      traits_(TraitsOf(*frame_)) {}
+
+void LineIntegrator::Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
+  SL_CHECK(int64_t(rgba.size()) == 4 * rect.Area());
+  for (int y = 0; y < rect.height; y += kMaxLinePixels) {
+    for (int x = 0; x < rect.width; x += kMaxLinePixels) {
+      const TileRect part{rect.x + x, rect.y + y, std::min(kMaxLinePixels, rect.width - x),
+                          std::min(kMaxLinePixels, rect.height - y)};
+      RenderPart(part, rect, rgba, stats);
+    }
+  }
+  ++stats.tiles;
+}
+
+void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
+                                RenderStats& stats) const {
+  StageTimer timer;
+  std::vector<uint32_t> candidates;
+  bvh_->CollectVisible(part, candidates);
+  timer.Lap(stats.cull_seconds);
+
+  TileTriangles tile;
+  SetUpTile(*frame_, traits_, pattern_, part, candidates, tile);
+  stats.candidate_triangles += int64_t(tile.triangles.size());
+  timer.Lap(stats.setup_seconds);
+
+  PairWeights weights;
+  resolver_->Resolve(tile, weights, stats);
+  timer.Lap(stats.resolve_seconds);
+
+  ShadePixels(tile, weights, rect, rgba, stats);
+  timer.Lap(stats.shade_seconds);
+}
+
+void LineIntegrator::ShadePixels(const TileTriangles& tile, const PairWeights& weights, const TileRect& rect,
+                                 std::span<float> rgba, RenderStats& stats) const {
+  std::vector<Contribution> contributions;
+  for (int y = 0; y < tile.rect.height; ++y) {
+    for (int x = 0; x < tile.rect.width; ++x) {
+      // Shade each pair once.
+      contributions.clear();
+      uint64_t covered = 0;
+      weights.ForEach(int64_t{y} * tile.rect.width + x, [&](const PixelPair& pair) {
+        const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
+        Barycentric at;
+        Footprint footprint;
+        if (traits.needs_position) {
+          at = {pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
+          if (traits.textured) footprint = FootprintOf(*frame_, pair, at, pair.bins_log2);
+        }
+        covered += pair.weight;
+        contributions.push_back({pair.weight, Shade(*frame_, pair.triangle, at, footprint)});
+      });
+      SL_CHECK(covered <= weights.total());
+      stats.pairs += int64_t(contributions.size());
+
+      // Sum them in an order of their own, over the background, which is nothing.
+      std::sort(contributions.begin(), contributions.end(), CanonicalOrder);
+      double r = 0;
+      double g = 0;
+      double b = 0;
+      for (const Contribution& c : contributions) {
+        r += double(c.weight) * double(c.color.x);
+        g += double(c.weight) * double(c.color.y);
+        b += double(c.weight) * double(c.color.z);
+      }
+      const auto total = double(weights.total());
+      const size_t pixel =
+          size_t(tile.rect.y - rect.y + y) * size_t(rect.width) + size_t(tile.rect.x - rect.x + x);
+      rgba[4 * pixel + 0] = float(r / total);
+      rgba[4 * pixel + 1] = float(g / total);
+      rgba[4 * pixel + 2] = float(b / total);
+      rgba[4 * pixel + 3] = float(double(covered) / total);
+    }
+  }
+}
+
+}  // namespace shutterline::engine
