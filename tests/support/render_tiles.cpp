@@ -1,0 +1,44 @@
+#include "tests/support/render_tiles.h"
+
+#include <algorithm>
+#include <atomic>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace shutterline::engine {
+
+Image RenderRect(const TileIntegrator& integrator, const TileRect& rect, RenderStats* stats) {
+  Image image(rect.width, rect.height);
+  RenderStats unused;
+  integrator.Render(rect, image.values(), stats != nullptr ? *stats : unused);
+  return image;
+}
+
+Image RenderTiles(const TileIntegrator& integrator, int width, int height, int tile_width, int tile_height,
+                  int threads) {
+  std::vector<TileRect> tiles;
+  for (int y = 0; y < height; y += tile_height) {
+    for (int x = 0; x < width; x += tile_width) {
+      tiles.push_back({x, y, std::min(tile_width, width - x), std::min(tile_height, height - y)});
+    }
+  }
+  Image image(width, height);
+  std::atomic<int> left = int(tiles.size());
+  const auto work = [&] {
+    for (int i = --left; i >= 0; i = --left) {
+      const TileRect& tile = tiles[size_t(i)];
+      const Image part = RenderRect(integrator, tile);
+      for (int y = 0; y < tile.height; ++y) {
+        std::copy_n(part.At(0, y), 4 * tile.width, image.At(tile.x, tile.y + y));
+      }
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (int i = 1; i < threads; ++i) workers.emplace_back(work);
+  work();
+  workers.clear();  // Joins.
+  return image;
+}
+
+}  // namespace shutterline::engine
