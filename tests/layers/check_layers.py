@@ -80,8 +80,8 @@ def layer_of(module, arrows):
 
 
 def may_depend(layer, target, arrows):
-    """Whether the arrows let `layer` use the layer `target`; an arrow to a folder covers what is in it."""
-    return target is not None and any(is_under(target, allowed) for allowed in [layer] + arrows[layer])
+    """Whether the arrows let `layer` use the module `target`; an arrow to a folder covers all that is in it."""
+    return any(target.name == allowed or is_under(target.folder, allowed) for allowed in [layer] + arrows[layer])
 
 
 def check_declarations(modules, arrows):
@@ -97,7 +97,7 @@ def check_declarations(modules, arrows):
                 problems.append(f"module {module.name}: DEPS name {dep}, which is no module "
                                 "(libraries of others go into LIBS)")
                 continue
-            if not may_depend(layer, layer_of(modules[dep], arrows), arrows):
+            if not may_depend(layer, modules[dep], arrows):
                 problems.append(f"module {module.name}: {layer} must not depend on "
                                 f"{modules[dep].folder} (module {dep})")
     return problems + find_cycles(modules)
