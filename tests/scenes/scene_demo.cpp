@@ -177,7 +177,7 @@ void AddSolids(GlbScene& scene, uint64_t seed) {
   constexpr int kSolids = 40;
   for (int i = 0; i < kSolids; ++i) {
     const double side = i % 2 == 0 ? -1 : 1;
-    const V3f start(float(side * random.Uniform(0.12, 0.36)),
+    const V3f start(float(side * random.Uniform(0.21, 0.4)),
                     float(0.06 + 0.045 * i + random.Uniform(0, 0.03)), float(random.Uniform(-0.4, 0.14)));
     AddFallingSolid(scene, random, start, float(random.Uniform(0.018, 0.034)),
                     meshes[size_t(i) % meshes.size()]);
@@ -194,9 +194,9 @@ GlbScene MakeDemo(const SceneOptions& options) {
   AddWindmill(scene, V3f(0, 0, -0.06f), 0.27f, 0.16f, 8, 12, -26,
               {0xe63946, 0xf4a261, 0xe9c46a, 0x8ac926, 0x2a9d8f, 0x1982c4, 0x6a4c93, 0xf15bb5});
   AddWindmill(scene, V3f(0.2f, 0, 0.16f), 0.11f, 0.062f, 5, 40, 33, {0x00bbf9, 0xf1faee});
-  AddCarousel(scene, V3f(0, 0.018f, -0.02f), 0.25f, 18, 9);
+  AddCarousel(scene, V3f(0, 0.018f, -0.03f), 0.21f, 16, 10);
   AddSolids(scene, options.seed);
-  scene.Add(CameraNode(scene, {kYfov}, V3f(-0.1f, 0.3f, 0.86f), V3f(0, 0.19f, 0)));
+  scene.Add(CameraNode(scene, {kYfov}, V3f(0, 0.3f, 0.86f), V3f(0, 0.19f, 0)));
   return scene;
 }
 

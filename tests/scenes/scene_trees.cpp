@@ -9,6 +9,7 @@
 namespace shutterline::scenes {
 namespace {
 
+constexpr double kYfov = 20 * M_PI / 180;
 constexpr int kColumns = 9, kRows = 5, kKinds = 3, kGreens = 3;
 // Metres before the camera between which everything lies: the pan is 64 pixels at one and 29 at the other.
 constexpr double kNearest = 12, kFarthest = 26.4;
@@ -84,7 +85,7 @@ int AddGround(GlbScene& scene) {
     ground.primitives[k].material = scene.Add(material);
   }
   constexpr int kCells = 16;
-  const float width = 34, depth = float(kFarthest - kNearest);
+  const float width = 18, depth = float(kFarthest - kNearest);
   for (int j = 0; j < kCells; ++j) {
     for (int i = 0; i < kCells; ++i) {
       const auto corner = [&](int x, int z) {
@@ -105,7 +106,7 @@ int AddGround(GlbScene& scene) {
 GlbScene MakeTrees(const SceneOptions& options) {
   const int each = options.triangles.value_or(270000) / (kColumns * kRows);
   const double motion = options.motion_pixels.value_or(64);
-  const double metres = motion / PixelsPerMetre(kDefaultYfov, kNearest);
+  const double metres = motion / PixelsPerMetre(kYfov, kNearest);
 
   GlbScene scene;
   const uint32_t colors[1 + kKinds * kGreens] = {0x4a3728, 0x2d6a4f, 0x40916c, 0x74a57f, 0x606c38,
@@ -125,7 +126,7 @@ GlbScene MakeTrees(const SceneOptions& options) {
     for (int column = 0; column < kColumns; ++column) {
       const double along = std::clamp((row + random.Uniform(-0.4, 0.4)) / (kRows - 1), 0.0, 1.0);
       const double depth = first + (last - first) * along;
-      const double half_width = depth * std::tan(kDefaultYfov / 2) * 4 / 3 + 1;
+      const double half_width = depth * std::tan(kYfov / 2) * 4 / 3 + 1;
       const double across = (column + random.Uniform(0.1, 0.9)) / kColumns * 2 - 1;
       Node tree;
       tree.name = "tree";
@@ -141,8 +142,8 @@ GlbScene MakeTrees(const SceneOptions& options) {
   ground.mesh = AddGround(scene);
   scene.Add(ground);
 
-  const V3f eye(0, 2.4f, 0);
-  const int camera = scene.Add(CameraNode(scene, {kDefaultYfov}, eye, eye - V3f(0, 0, 1)));
+  const V3f eye(0, 1.6f, 0);
+  const int camera = scene.Add(CameraNode(scene, {kYfov}, eye, eye - V3f(0, 0, 1)));
   if (motion > 0) scene.channels.push_back(SwingTranslation(camera, eye, V3f(float(metres), 0, 0)));
   return scene;
 }

@@ -100,7 +100,7 @@ TEST(Scenes, TreesPassBy29To64Pixels) {
     for (const Primitive& primitive : scene.meshes[size_t(node.mesh)].primitives) {
       for (const V3f& p : primitive.positions) {
         const V3f world = node.rotation.rotateVector(p * node.scale) + node.translation;
-        const double pixels = way * PixelsPerMetre(kDefaultYfov, -world.z);
+        const double pixels = way * PixelsPerMetre(scene.cameras[0].yfov, -world.z);
         least = std::min(least, pixels);
         most = std::max(most, pixels);
       }
