@@ -1,0 +1,66 @@
+#include "worker/engine_frames/engine_frame_renderer.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "common/base/status_macros.h"
+#include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/gltf_import.h"
+
+namespace shutterline::worker {
+namespace {
+
+/// Calls `f`, whose result is a Status or a StatusOr, and turns what it throws into a status.
+template <typename F>
+auto WithoutExceptions(absl::string_view doing, F&& f) -> decltype(f()) {
+  try {
+    return f();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrCat(doing, ": out of memory"));
+  } catch (const std::exception& e) {
+    return absl::InternalError(absl::StrCat(doing, ": ", e.what()));
+  } catch (...) {
+    return absl::InternalError(absl::StrCat(doing, ": unknown exception"));
+  }
+}
+
+class EngineFrameRenderer final : public FrameRenderer {
+ public:
+  explicit EngineFrameRenderer(std::unique_ptr<engine::TileIntegrator> integrator)
+      : integrator_(std::move(integrator)) {}
+
+  absl::Status Render(const TileRect& rect, std::span<float> rgba, engine::RenderStats& stats) const override {
+    return WithoutExceptions("render tile", [&] {
+      integrator_->Render(rect, rgba, stats);
+      return absl::OkStatus();
+    });
+  }
+
+ private:
+  const std::unique_ptr<engine::TileIntegrator> integrator_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const engine::Scene>> EngineFrameRendererFactory::Import(
+    const engine::AssetSource& source) {
+  return WithoutExceptions(absl::StrCat("load scene ", source.RootName()),
+                           [&] { return engine::ImportGltf(source); });
+}
+
+absl::StatusOr<std::shared_ptr<const FrameRenderer>> EngineFrameRendererFactory::MakeFrame(
+    std::shared_ptr<const engine::Scene> scene, int frame, const RenderSettings& settings, int threads) {
+  using Result = absl::StatusOr<std::shared_ptr<const FrameRenderer>>;
+  return WithoutExceptions("make frame ready", [&]() -> Result {
+    SL_ASSIGN_OR_RETURN(auto frame_scene, engine::BuildFrameScene(std::move(scene), frame, settings));
+    SL_ASSIGN_OR_RETURN(auto integrator,
+                        engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads));
+    return std::make_shared<const EngineFrameRenderer>(std::move(integrator));
+  });
+}
+
+}  // namespace shutterline::worker

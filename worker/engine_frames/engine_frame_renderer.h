@@ -1,0 +1,17 @@
+#pragma once
+
+#include "worker/frames/frame_renderer.h"
+
+namespace shutterline::worker {
+
+/// Production: glTF import, frame scene and tile integrator of worker/engine. Exceptions of libraries end
+/// here as statuses, running out of memory included.
+class EngineFrameRendererFactory final : public FrameRendererFactory {
+ public:
+  absl::StatusOr<std::shared_ptr<const engine::Scene>> Import(const engine::AssetSource& source) override;
+  absl::StatusOr<std::shared_ptr<const FrameRenderer>> MakeFrame(std::shared_ptr<const engine::Scene> scene,
+                                                                 int frame, const RenderSettings& settings,
+                                                                 int threads) override;
+};
+
+}  // namespace shutterline::worker

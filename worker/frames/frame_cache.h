@@ -1,0 +1,56 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstddef>
+#include <memory>
+
+#include "common/asset/digest.h"
+#include "common/job/render_settings.h"
+#include "worker/engine/scene/asset_source.h"
+#include "worker/frames/frame_renderer.h"
+#include "worker/frames/single_flight_cache.h"
+
+namespace shutterline::worker {
+
+struct FrameCacheOptions {
+  size_t max_scenes = 2;
+  size_t max_frames = 4;
+  int build_threads = 1;  ///< For import and frame set-up.
+};
+
+/// Where a scene's files are read from, should it have to be imported.
+using AssetSourceMaker =
+    std::function<absl::StatusOr<std::unique_ptr<engine::AssetSource>>()>;
+
+/// Scenes, each imported once, and frames made ready, each once: what all tiles of a frame share. Bounded
+/// by count; what threads still use lives on until they let go of it. Thread-safe.
+class FrameCache {
+ public:
+  /// `factory` must outlive this.
+  FrameCache(FrameRendererFactory& factory, const FrameCacheOptions& options);
+
+  /// Frame `frame` of the scene whose manifest has digest `scene`. Blocks while it is imported and made
+  /// ready, by this thread or another. Errors name what failed ("frame 3: …").
+  absl::StatusOr<std::shared_ptr<const FrameRenderer>> Get(const Digest& scene, int frame,
+                                                           const RenderSettings& settings,
+                                                           const AssetSourceMaker& open_source);
+
+  size_t scene_count() const { return scenes_.size(); }
+  size_t frame_count() const { return frames_.size(); }
+
+ private:
+  struct FrameKey {
+    Digest scene;
+    int frame;
+    RenderSettings settings;
+    friend bool operator==(const FrameKey&, const FrameKey&) = default;
+  };
+
+  FrameRendererFactory& factory_;
+  const FrameCacheOptions options_;
+  SingleFlightCache<Digest, engine::Scene> scenes_;
+  SingleFlightCache<FrameKey, FrameRenderer> frames_;
+};
+
+}  // namespace shutterline::worker

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/time/time.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/asset/digest.h"
+#include "common/job/job_spec.h"
+#include "common/job/render_settings.h"
+
+namespace shutterline::worker {
+
+/// A job as a worker knows it. Immutable but for `forgotten`.
+struct WorkerJob {
+  std::string id;
+  absl::Status status;  ///< Not OK: the coordinator's description of it made no sense; its tiles fail so.
+  SceneManifest scene;
+  RenderSettings settings;
+  Digest scene_key;  ///< Equal for scenes of equal files.
+  /// The job has ended: do not start its tiles, do not send its results.
+  std::atomic<bool> forgotten = false;
+};
+
+/// One tile that is to be rendered.
+struct TileTask {
+  std::shared_ptr<const WorkerJob> job;
+  uint64_t lease_id = 0;
+  int frame = 0;
+  uint32_t tile = 0;
+};
+
+/// One tile that has been rendered, or could not be.
+struct TileResult {
+  TileTask task;
+  absl::Status status;
+  std::string rgba;  ///< Little-endian 32-bit floats, 16 bytes a pixel, rows from the top; empty on failure.
+  absl::Duration render_time;
+
+  /// Roughly what it takes of memory, and a little more than what it takes in a message.
+  size_t Bytes() const { return rgba.size() + status.message().size() + task.job->id.size() + 64; }
+};
+
+}  // namespace shutterline::worker
