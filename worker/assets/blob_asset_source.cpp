@@ -50,16 +50,15 @@ absl::StatusOr<std::string> NormalizeRelativePath(absl::string_view path) {
   return absl::StrJoin(parts, "/");
 }
 
-absl::StatusOr<std::unique_ptr<BlobAssetSource>> BlobAssetSource::Make(std::string root,
-                                                                       const std::vector<SceneFile>& files,
+absl::StatusOr<std::unique_ptr<BlobAssetSource>> BlobAssetSource::Make(const SceneManifest& scene,
                                                                        AssetCache& cache,
                                                                        BlobFetcher& fetcher) {
-  std::unique_ptr<BlobAssetSource> source(new BlobAssetSource(std::move(root), cache, fetcher));
-  for (const SceneFile& file : files) {
-    absl::StatusOr<std::string> path = NormalizeRelativePath(file.path);
+  std::unique_ptr<BlobAssetSource> source(new BlobAssetSource(scene.root_name, cache, fetcher));
+  for (const SceneFile& file : scene.files) {
+    absl::StatusOr<std::string> path = NormalizeRelativePath(file.name);
     if (!path.ok()) return Annotate(path.status(), "scene manifest");
     if (!source->blobs_.emplace(*path, file.digest).second) {
-      return Annotate(Refused(file.path, "is listed twice"), "scene manifest");
+      return Annotate(Refused(file.name, "is listed twice"), "scene manifest");
     }
     source->pins_.push_back(cache.MakePin(file.digest));
   }

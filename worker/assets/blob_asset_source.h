@@ -9,27 +9,21 @@
 #include <vector>
 
 #include "common/asset/digest.h"
+#include "common/job/job_spec.h"
 #include "worker/assets/asset_cache.h"
 #include "worker/assets/blob_fetcher.h"
 #include "worker/engine/scene/asset_source.h"
 
 namespace shutterline::worker {
 
-/// One file of a scene and the blob that holds it.
-struct SceneFile {
-  std::string path;  ///< Relative to the root file's folder, decoded, '/' between parts.
-  Digest digest;
-};
-
 /// A scene's files as blobs: what the importer may read is what the job's manifest lists, nothing else,
 /// whatever paths the files contain. Pins its blobs in the cache while it lives. Thread-safe.
 class BlobAssetSource final : public engine::AssetSource {
  public:
-  /// `files` must list `root`. INVALID_ARGUMENT where it does not, or lists a path twice or one that is
+  /// INVALID_ARGUMENT where the manifest does not list its root, or lists a name twice or one that is
   /// absolute or leaves the folder. `cache` and `fetcher` must outlive the source.
-  static absl::StatusOr<std::unique_ptr<BlobAssetSource>> Make(std::string root,
-                                                               const std::vector<SceneFile>& files,
-                                                               AssetCache& cache, BlobFetcher& fetcher);
+  static absl::StatusOr<std::unique_ptr<BlobAssetSource>> Make(const SceneManifest& scene, AssetCache& cache,
+                                                               BlobFetcher& fetcher);
 
   const std::string& RootName() const override { return root_; }
   absl::StatusOr<std::string> Read(absl::string_view relative_uri, uint64_t max_bytes) const override;

@@ -33,7 +33,8 @@ class EngineFrameRenderer final : public FrameRenderer {
   explicit EngineFrameRenderer(std::unique_ptr<engine::TileIntegrator> integrator)
       : integrator_(std::move(integrator)) {}
 
-  absl::Status Render(const TileRect& rect, std::span<float> rgba, engine::RenderStats& stats) const override {
+  absl::Status Render(const TileRect& rect, std::span<float> rgba,
+                      engine::RenderStats& stats) const override {
     return WithoutExceptions("render tile", [&] {
       integrator_->Render(rect, rgba, stats);
       return absl::OkStatus();

@@ -20,8 +20,7 @@ struct FrameCacheOptions {
 };
 
 /// Where a scene's files are read from, should it have to be imported.
-using AssetSourceMaker =
-    std::function<absl::StatusOr<std::unique_ptr<engine::AssetSource>>()>;
+using AssetSourceMaker = std::function<absl::StatusOr<std::unique_ptr<engine::AssetSource>>()>;
 
 /// Scenes, each imported once, and frames made ready, each once: what all tiles of a frame share. Bounded
 /// by count; what threads still use lives on until they let go of it. Thread-safe.

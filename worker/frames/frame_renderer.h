@@ -33,8 +33,7 @@ class FrameRendererFactory {
 
   /// Makes frame `frame` of `scene` ready, using up to `threads` threads.
   virtual absl::StatusOr<std::shared_ptr<const FrameRenderer>> MakeFrame(
-      std::shared_ptr<const engine::Scene> scene, int frame, const RenderSettings& settings,
-      int threads) = 0;
+      std::shared_ptr<const engine::Scene> scene, int frame, const RenderSettings& settings, int threads) = 0;
 };
 
 }  // namespace shutterline::worker

@@ -8,20 +8,20 @@ namespace shutterline::worker {
 
 bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
                        std::span<const uint32_t> tiles) {
-  bool freed = false;
+  bool progress = false;
   {
     absl::MutexLock lock(&mutex_);
     const auto count = uint32_t(tiles.size());
     if (tiles.empty()) {
-      freed = true;  // Nothing to do: its credit is free at once.
+      progress = true;  // Nothing to do: its credit is free at once.
     } else if (!leases_.try_emplace(lease_id, Lease{count, count}).second) {
       return false;
     } else {
       ++unrendered_leases_;
-      for (const uint32_t tile : tiles) waiting_.push_back({job, lease_id, frame, tile});
+      for (const uint32_t tile : tiles) waiting_.push_back({job, lease_id, session_, frame, tile});
     }
   }
-  if (freed && on_credit_freed_) on_credit_freed_();
+  if (progress && on_progress_) on_progress_();
   return true;
 }
 
@@ -36,27 +36,34 @@ std::optional<TileTask> LeaseBoard::Take() {
 }
 
 void LeaseBoard::Rendered(const TileTask& task) {
-  bool freed = false;
+  bool progress = false;
   {
     absl::MutexLock lock(&mutex_);
     SL_CHECK(taken_ > 0);
     --taken_;
     // A lease that was revoked meanwhile, or belongs to a session that is over, is not here any more.
-    const auto lease = leases_.find(task.lease_id);
-    if (lease != leases_.end() && lease->second.unrendered > 0 && --lease->second.unrendered == 0) {
+    Lease* const lease = FindLocked(task);
+    if (lease != nullptr && lease->unrendered > 0 && --lease->unrendered == 0) {
       --unrendered_leases_;
-      freed = true;
+      progress = true;
     }
+    progress |= taken_ == 0 && waiting_.empty();
   }
-  if (freed && on_credit_freed_) on_credit_freed_();
+  if (progress && on_progress_) on_progress_();
 }
 
 void LeaseBoard::Acknowledged(const TileTask& task) {
   absl::MutexLock lock(&mutex_);
+  Lease* const lease = FindLocked(task);
+  if (lease == nullptr) return;
+  if (lease->unacknowledged > 0) --lease->unacknowledged;
+  if (lease->unacknowledged == 0 && lease->unrendered == 0) leases_.erase(task.lease_id);
+}
+
+LeaseBoard::Lease* LeaseBoard::FindLocked(const TileTask& task) {
+  if (task.session != session_) return nullptr;
   const auto lease = leases_.find(task.lease_id);
-  if (lease == leases_.end()) return;
-  if (lease->second.unacknowledged > 0) --lease->second.unacknowledged;
-  if (lease->second.unacknowledged == 0 && lease->second.unrendered == 0) leases_.erase(lease);
+  return lease == leases_.end() ? nullptr : &lease->second;
 }
 
 void LeaseBoard::Revoke(std::span<const uint64_t> lease_ids) {
@@ -72,7 +79,7 @@ void LeaseBoard::Revoke(std::span<const uint64_t> lease_ids) {
       return std::find(lease_ids.begin(), lease_ids.end(), task.lease_id) != lease_ids.end();
     });
   }
-  if (on_credit_freed_) on_credit_freed_();
+  if (on_progress_) on_progress_();
 }
 
 void LeaseBoard::Clear() {
@@ -80,6 +87,12 @@ void LeaseBoard::Clear() {
   leases_.clear();
   waiting_.clear();
   unrendered_leases_ = 0;
+  ++session_;
+}
+
+uint64_t LeaseBoard::session() const {
+  absl::MutexLock lock(&mutex_);
+  return session_;
 }
 
 void LeaseBoard::Close() {

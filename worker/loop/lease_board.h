@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,12 +22,13 @@ namespace shutterline::worker {
 ///
 /// A lease is *unrendered* until all its tiles have been rendered: that many leases occupy credit. It is
 /// *live* until all its tiles have been acknowledged as well: heartbeats name it. Tiles leave in the order
-/// in which they were granted. Thread-safe.
+/// in which they were granted. Lease ids mean something within a session only, from Clear to Clear; a tile
+/// that was taken in an earlier one may still be reported and changes nothing. Thread-safe.
 class LeaseBoard {
  public:
   /// Called (without the board's lock) whenever a lease has been rendered or revoked, so that credit can
-  /// be given anew. Set once, before anything else.
-  void OnCreditFreed(std::function<void()> callback) { on_credit_freed_ = std::move(callback); }
+  /// be given anew, and when nothing is left to render. Set once, before anything else.
+  void OnProgress(std::function<void()> callback) { on_progress_ = std::move(callback); }
 
   /// False, and nothing happens, where the lease is held already.
   bool Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
@@ -44,6 +46,8 @@ class LeaseBoard {
   void Revoke(std::span<const uint64_t> lease_ids);
   /// Forgets all leases: the session under which they were granted is over.
   void Clear();
+  /// Number of sessions begun, by Clear.
+  uint64_t session() const;
   /// Take returns nothing from now on, in all threads.
   void Close();
 
@@ -59,12 +63,15 @@ class LeaseBoard {
     uint32_t unacknowledged = 0;
   };
 
+  /// The task's lease, if it is held; else null.
+  Lease* FindLocked(const TileTask& task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool CanTakeLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !waiting_.empty(); }
 
-  std::function<void()> on_credit_freed_;
+  std::function<void()> on_progress_;
   mutable absl::Mutex mutex_;
   absl::btree_map<uint64_t, Lease> leases_ ABSL_GUARDED_BY(mutex_);
   std::deque<TileTask> waiting_ ABSL_GUARDED_BY(mutex_);
+  uint64_t session_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t unrendered_leases_ ABSL_GUARDED_BY(mutex_) = 0;
   int taken_ ABSL_GUARDED_BY(mutex_) = 0;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;

@@ -28,7 +28,8 @@ struct WorkerJob {
 /// One tile that is to be rendered.
 struct TileTask {
   std::shared_ptr<const WorkerJob> job;
-  uint64_t lease_id = 0;
+  uint64_t lease_id = 0;  ///< Unique within a session; sessions may use numbers again.
+  uint64_t session = 0;   ///< Number of the board's session in which it was granted.
   int frame = 0;
   uint32_t tile = 0;
 };

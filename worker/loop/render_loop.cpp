@@ -1,0 +1,86 @@
+#include "worker/loop/render_loop.h"
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include <bit>
+#include <cstring>
+#include <exception>
+#include <utility>
+
+#include "common/base/log.h"
+#include "common/base/status_macros.h"
+#include "common/job/tile.h"
+
+namespace shutterline::worker {
+
+static_assert(std::endian::native == std::endian::little, "tiles travel as little-endian floats");
+
+RenderLoop::RenderLoop(int threads, LeaseBoard& board, ResultBuffer& results, FrameCache& frames,
+                       OpenScene open_scene, const Clock& clock)
+    : board_(board), results_(results), frames_(frames), open_scene_(std::move(open_scene)), clock_(clock) {
+  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
+}
+
+RenderLoop::~RenderLoop() {
+  board_.Close();
+  results_.Close();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void RenderLoop::Run() {
+  // Room first: a thread that holds a tile must be able to finish it.
+  while (results_.WaitForRoom()) {
+    const std::optional<TileTask> task = board_.Take();
+    if (!task) return;
+    if (!task->job->forgotten) {
+      TileResult result = RenderTile(*task);
+      // In this order: a worker that drains sees the tile on the board or among the results, always.
+      if (!task->job->forgotten) results_.Add(std::move(result));
+    }
+    board_.Rendered(*task);
+  }
+}
+
+TileResult RenderLoop::RenderTile(const TileTask& task) {
+  TileResult result;
+  result.task = task;
+  const absl::Duration start = clock_.Monotonic();
+  try {
+    result.status = RenderPixels(task, result.rgba);
+  } catch (const std::exception& e) {
+    result.status = absl::InternalError(absl::StrCat("exception: ", e.what()));
+  } catch (...) {
+    result.status = absl::InternalError("unknown exception");
+  }
+  result.render_time = clock_.Monotonic() - start;
+  ++(result.status.ok() ? tiles_rendered_ : tiles_failed_);
+  if (!result.status.ok()) {
+    result.rgba.clear();
+    spdlog::warn("tile failed job={} frame={} tile={} reason={}", LogValue(task.job->id), task.frame,
+                 task.tile, LogValue(result.status.ToString()));
+  }
+  return result;
+}
+
+absl::Status RenderLoop::RenderPixels(const TileTask& task, std::string& rgba) const {
+  const WorkerJob& job = *task.job;
+  SL_RETURN_IF_ERROR(job.status);
+  const TileGrid grid{job.settings.width, job.settings.height};
+  if (int64_t{task.tile} >= int64_t{grid.Count()}) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("tile ", task.tile, " does not exist: the frame has ", grid.Count()));
+  }
+  SL_ASSIGN_OR_RETURN(
+      const std::shared_ptr<const FrameRenderer> frame,
+      frames_.Get(job.scene_key, task.frame, job.settings, [&] { return open_scene_(job.scene); }));
+  const TileRect rect = grid.Rect(int(task.tile));
+  std::vector<float> pixels(size_t(rect.Area()) * 4);
+  engine::RenderStats stats;
+  SL_RETURN_IF_ERROR(frame->Render(rect, pixels, stats));
+  rgba.resize(pixels.size() * sizeof(float));
+  std::memcpy(rgba.data(), pixels.data(), rgba.size());
+  return absl::OkStatus();
+}
+
+}  // namespace shutterline::worker

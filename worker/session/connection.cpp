@@ -1,0 +1,298 @@
+#include "worker/session/connection.h"
+
+#include <absl/strings/str_cat.h>
+#include <google/protobuf/duration.pb.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "common/base/log.h"
+#include "common/base/status_macros.h"
+#include "proto/convert/job_spec.h"
+#include "proto/convert/status.h"
+
+namespace shutterline::worker {
+namespace {
+
+/// A coordinator that asks for no heartbeats, or for a flood of them, gets sensible ones.
+absl::Duration HeartbeatInterval(const v1::Welcome& welcome) {
+  return std::clamp(convert::FromProto(welcome.heartbeat_interval()), absl::Milliseconds(10),
+                    absl::Minutes(1));
+}
+
+}  // namespace
+
+Connection::Connection(v1::Workers::StubInterface& stub, const v1::Welcome& welcome, const Options& options,
+                       LeaseBoard& board, ResultBuffer& results, const Clock& clock)
+    : stub_(stub),
+      welcome_(welcome),
+      options_(options),
+      heartbeat_interval_(HeartbeatInterval(welcome)),
+      board_(board),
+      results_(results),
+      clock_(clock),
+      board_session_(board.session()) {}
+
+absl::Status Connection::Run() {
+  session_ = stub_.Session(&session_context_);
+  push_ = stub_.PushResults(&results_context_);
+  results_.Rewind();
+  std::thread pulse([this] { Pulse(); });
+  std::thread sender([this] { SendResults(); });
+  std::thread receiver([this] { ReceiveAcks(); });
+
+  v1::CoordinatorMessage message;
+  while (session_->Read(&message)) Handle(message);
+
+  // One stream is over: so is the other, unless we are leaving and its last words are under way.
+  {
+    absl::MutexLock lock(&mutex_);
+    ended_ = true;
+    changed_.SignalAll();
+    const absl::Duration deadline = clock_.Monotonic() + options_.closing;
+    while (leaving_ && !receiver_ended_ && clock_.Monotonic() < deadline) {
+      changed_.WaitWithTimeout(&mutex_, deadline - clock_.Monotonic());
+    }
+  }
+  results_.Interrupt();
+  Cancel();
+  pulse.join();
+  sender.join();
+  receiver.join();
+  const absl::Status session_status = convert::FromGrpc(session_->Finish());
+  const absl::Status push_status = convert::FromGrpc(push_->Finish());
+  absl::MutexLock lock(&mutex_);
+  left_ = leaving_ && results_.Empty();
+  if (left_) return absl::OkStatus();
+  // Breaking one stream cancels the other: what was first is the reason.
+  SL_RETURN_IF_ERROR(ack_status_);
+  if (!session_status.ok() && !absl::IsCancelled(session_status)) return session_status;
+  if (!push_status.ok() && !absl::IsCancelled(push_status)) return push_status;
+  return session_status;
+}
+
+void Connection::Wake() {
+  absl::MutexLock lock(&mutex_);
+  woken_ = true;
+  changed_.SignalAll();
+}
+
+void Connection::BeginDrain() {
+  absl::MutexLock lock(&mutex_);
+  draining_ = true;
+  woken_ = true;
+  changed_.SignalAll();
+}
+
+void Connection::Cancel() {
+  session_context_.TryCancel();
+  results_context_.TryCancel();
+}
+
+// --- Session, down ----------------------------------------------------------------------------------
+
+void Connection::Handle(const v1::CoordinatorMessage& message) {
+  switch (message.what_case()) {
+    case v1::CoordinatorMessage::kJob:
+      return HandleJob(message.job());
+    case v1::CoordinatorMessage::kGrant:
+      return HandleGrant(message.grant());
+    case v1::CoordinatorMessage::kRevoke: {
+      const auto& ids = message.revoke().lease_ids();
+      return board_.Revoke({ids.data(), size_t(ids.size())});
+    }
+    case v1::CoordinatorMessage::kForgetJob:
+      if (const auto job = jobs_.find(message.forget_job().job_id()); job != jobs_.end()) {
+        job->second->forgotten = true;
+        jobs_.erase(job);
+      }
+      return;
+    case v1::CoordinatorMessage::kDrain:
+      spdlog::info("coordinator is about to stop");
+      return;
+    case v1::CoordinatorMessage::WHAT_NOT_SET:
+      // A newer coordinator may say more than we understand.
+      return;
+  }
+}
+
+void Connection::HandleJob(const v1::JobDetails& details) {
+  auto job = std::make_shared<WorkerJob>();
+  job->id = details.job_id();
+  if (auto scene = convert::FromProto(details.scene(), "scene"); scene.ok()) {
+    job->scene = *std::move(scene);
+  } else {
+    job->status.Update(scene.status());
+  }
+  if (auto settings = convert::FromProto(details.render(), "render"); settings.ok()) {
+    job->settings = *std::move(settings);
+  } else {
+    job->status.Update(settings.status());
+  }
+  // The picture of the scene under fixed settings: a key of the scene alone.
+  job->scene_key = PictureKey(job->scene, RenderSettings());
+  jobs_[details.job_id()] = std::move(job);
+}
+
+void Connection::HandleGrant(const v1::Grant& grant) {
+  const auto job = jobs_.find(grant.job_id());
+  const bool taken = job != jobs_.end() && board_.Grant(job->second, grant.lease_id(), grant.frame(),
+                                                        {grant.tiles().data(), size_t(grant.tiles().size())});
+  if (!taken) {
+    spdlog::warn("lease returned lease={} job={} reason=\"{}\"", grant.lease_id(), LogValue(grant.job_id()),
+                 job == jobs_.end() ? "the job is not known" : "the lease is held already");
+  }
+  absl::MutexLock lock(&mutex_);
+  if (credit_ > 0) --credit_;
+  if (job == jobs_.end()) to_return_.push_back(grant.lease_id());
+  woken_ = true;
+  changed_.SignalAll();
+}
+
+// --- Session, up ------------------------------------------------------------------------------------
+
+void Connection::Pulse() {
+  absl::MutexLock lock(&mutex_);
+  v1::WorkerMessage open;
+  open.mutable_open()->set_session_id(welcome_.session_id());
+  open.mutable_open()->set_epoch(welcome_.epoch());
+  if (!Write(open)) return;
+  absl::Duration next_beat = clock_.Monotonic() + heartbeat_interval_;
+  while (!ended_) {
+    woken_ = false;
+    if (!WriteDueLocked(next_beat)) return;
+    if (said_draining_ && board_.Idle() && results_.Empty()) return Leave();
+    while (!woken_ && !ended_ && clock_.Monotonic() < next_beat) {
+      changed_.WaitWithTimeout(&mutex_, next_beat - clock_.Monotonic());
+    }
+  }
+}
+
+bool Connection::WriteDueLocked(absl::Duration& next_beat) {
+  if (draining_ && !said_draining_) {
+    v1::WorkerMessage draining;
+    draining.mutable_draining();
+    said_draining_ = true;
+    if (!Write(draining)) return false;
+  }
+  // Keep 3 leases a slot, asked for anew when fewer than 2 are left: one renders, the others hide the
+  // way to the coordinator and back.
+  const size_t held = board_.UnrenderedLeases() + credit_;
+  const auto slots = size_t(options_.slots);
+  if (!draining_ && held < 2 * slots) {
+    v1::WorkerMessage credit;
+    credit.mutable_credit()->set_leases(uint32_t(3 * slots - held));
+    credit_ += 3 * slots - held;
+    if (!Write(credit)) return false;
+  }
+  if (!to_return_.empty()) {
+    v1::WorkerMessage back;
+    back.mutable_return_leases()->mutable_lease_ids()->Add(to_return_.begin(), to_return_.end());
+    to_return_.clear();
+    if (!Write(back)) return false;
+  }
+  if (clock_.Monotonic() >= next_beat) {
+    v1::WorkerMessage beat;
+    const std::vector<uint64_t> leases = board_.LiveLeases();
+    beat.mutable_heartbeat()->mutable_lease_ids()->Add(leases.begin(), leases.end());
+    next_beat = clock_.Monotonic() + heartbeat_interval_;
+    if (!Write(beat)) return false;
+  }
+  return true;
+}
+
+bool Connection::Write(const v1::WorkerMessage& message) {
+  mutex_.Unlock();
+  const bool written = session_->Write(message);
+  mutex_.Lock();
+  return written;
+}
+
+void Connection::Leave() {
+  leaving_ = true;
+  results_.Interrupt();  // The sender ends its stream.
+  mutex_.Unlock();
+  session_->WritesDone();
+  mutex_.Lock();
+  const absl::Duration deadline = clock_.Monotonic() + options_.closing;
+  while (!ended_ && clock_.Monotonic() < deadline) {
+    changed_.WaitWithTimeout(&mutex_, deadline - clock_.Monotonic());
+  }
+  if (!ended_) Cancel();
+}
+
+// --- Results ----------------------------------------------------------------------------------------
+
+void Connection::SendResults() {
+  // Room for what surrounds the pixels; a single tile goes out however small the limit is.
+  const auto limit = size_t(std::clamp<uint64_t>(welcome_.max_batch_bytes(), 64 << 10, 4 << 20)) - 1024;
+  while (true) {
+    const ResultBuffer::Batch batch = results_.NextBatch(limit, options_.linger);
+    if (batch.results.empty()) break;
+    if (!push_->Write(MakeMessage(batch))) return;
+  }
+  push_->WritesDone();
+}
+
+v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const {
+  v1::ResultBatch message;
+  message.set_session_id(welcome_.session_id());
+  message.set_epoch(welcome_.epoch());
+  message.set_batch_id(batch.id);
+  for (const ResultBuffer::Result& result : batch.results) {
+    v1::TileResult& tile = *message.add_tiles();
+    tile.set_job_id(result->task.job->id);
+    tile.set_frame(result->task.frame);
+    tile.set_tile(result->task.tile);
+    // A lease of an earlier session is over, and its number may be another lease's by now.
+    tile.set_lease_id(result->task.session == board_session_ ? result->task.lease_id : 0);
+    if (result->status.ok()) {
+      tile.set_rgba(result->rgba);
+    } else {
+      tile.mutable_failure()->set_code(int32_t(result->status.code()));
+      tile.mutable_failure()->set_message(std::string(result->status.message()));
+    }
+    *tile.mutable_render_time() = convert::ToProto(result->render_time);
+  }
+  return message;
+}
+
+void Connection::ReceiveAcks() {
+  v1::ResultAck ack;
+  while (push_->Read(&ack)) {
+    if (absl::Status status = HandleAck(ack); !status.ok()) {
+      absl::MutexLock lock(&mutex_);
+      ack_status_.Update(Annotate(status, "acknowledgement"));
+      break;
+    }
+    // Only a worker that leaves waits for the last acknowledgement.
+    absl::MutexLock lock(&mutex_);
+    if (draining_) {
+      woken_ = true;
+      changed_.SignalAll();
+    }
+  }
+  if (!leaving_) Cancel();
+  absl::MutexLock lock(&mutex_);
+  receiver_ended_ = true;
+  changed_.SignalAll();
+}
+
+absl::Status Connection::HandleAck(const v1::ResultAck& ack) {
+  SL_ASSIGN_OR_RETURN(const std::vector<ResultBuffer::Result> results,
+                      results_.Acknowledge(ack.batch_id(), size_t(ack.outcomes_size())));
+  for (size_t i = 0; i < results.size(); ++i) {
+    const TileTask& task = results[i]->task;
+    board_.Acknowledged(task);
+    const v1::ResultAck::Outcome outcome = ack.outcomes(int(i));
+    if (outcome == v1::ResultAck::OUTCOME_MISMATCH || outcome == v1::ResultAck::OUTCOME_REFUSED) {
+      spdlog::error("tile not taken job={} frame={} tile={} outcome={}", LogValue(task.job->id), task.frame,
+                    task.tile, v1::ResultAck::Outcome_Name(outcome));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace shutterline::worker
