@@ -1,0 +1,91 @@
+#include "worker/config.h"
+
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/string_view.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+#include "common/base/build_id.h"
+
+namespace shutterline::worker {
+namespace {
+
+constexpr char kFooter[] = R"(
+The worker dials the coordinator, takes tiles, renders them with all its threads and sends them back. It
+tries again for as long as the coordinator is away. SIGTERM or SIGINT lets it finish and deliver the tiles
+that it holds and leave; a second signal ends it at once (its tiles then go to other workers, and no pixel
+is lost).
+
+Exit status: 0 left as told, 1 failed (refused by the coordinator, or tiles undelivered), 2 wrong usage.
+
+  shutterline-worker --coordinator render-host:7878
+  shutterline-worker --coordinator render-host:7878 --threads 8 --cache-dir /var/cache/shutterline
+)";
+
+/// Empty if `value` is HOST:PORT with a port from 1 to 65535; else what is wrong.
+std::string CheckHostPort(const std::string& value) {
+  const size_t colon = value.rfind(':');
+  int port = 0;
+  if (colon == std::string::npos || colon == 0 || !absl::SimpleAtoi(value.substr(colon + 1), &port) ||
+      port < 1 || port > 65535) {
+    return absl::StrCat("'", value, "' is not HOST:PORT");
+  }
+  return "";
+}
+
+}  // namespace
+
+std::filesystem::path DefaultCacheDir() {
+  const char* const cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && cache[0] == '/') return std::filesystem::path(cache) / "shutterline" / "blobs";
+  const char* const home = std::getenv("HOME");
+  if (home != nullptr && home[0] == '/') {
+    return std::filesystem::path(home) / ".cache" / "shutterline" / "blobs";
+  }
+  std::error_code error;
+  std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+  if (error) temporary = "/tmp";
+  return temporary / absl::StrCat("shutterline-blobs-", getuid());
+}
+
+std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& exit_code) {
+  Config config;
+  config.worker.cache_dir = DefaultCacheDir();
+  std::string cache_dir = config.worker.cache_dir.string();
+  uint64_t cache_mb = config.worker.cache_bytes >> 20;
+
+  CLI::App app("Renders tiles for a Shutterline coordinator.", "shutterline-worker");
+  app.footer(kFooter);
+  app.set_version_flag("--version", kBuildId);
+  app.add_option("--coordinator", config.coordinator, "The coordinator to work for")
+      ->type_name("HOST:PORT")
+      ->required()
+      ->check(CLI::Validator(CheckHostPort, "", "host:port"));
+  app.add_option("--threads", config.worker.threads, "Threads that render (0: one for each processor)")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--cache-dir", cache_dir, "Folder for scene files, may be shared by workers of a machine")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--blob-cache-mb", cache_mb, "What the scene files may take of the disk, MiB")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32))
+      ->capture_default_str();
+  app.add_option("--name", config.worker.name, "How people know this worker (default HOST:PID)");
+  app.add_option("--log-level", config.log_level, "trace, debug, info, warn, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    exit_code = app.exit(e) == 0 ? 0 : 2;
+    return std::nullopt;
+  }
+  config.worker.cache_dir = cache_dir;
+  config.worker.cache_bytes = cache_mb << 20;
+  return config;
+}
+
+}  // namespace shutterline::worker

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "worker/worker.h"
+
+namespace shutterline::worker {
+
+/// What the command line of shutterline-worker says.
+struct Config {
+  std::string coordinator;  ///< "HOST:PORT".
+  std::string log_level = "info";
+  WorkerOptions worker;
+};
+
+/// Reads the command line. Nothing where the program is to end at once, with `exit_code`: 0 after --help or
+/// --version, 2 for wrong usage, which has been explained on standard error.
+std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& exit_code);
+
+/// $XDG_CACHE_HOME/shutterline/blobs, or below ~/.cache, or below the folder for temporary files.
+std::filesystem::path DefaultCacheDir();
+
+}  // namespace shutterline::worker

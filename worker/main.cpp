@@ -1,0 +1,65 @@
+// shutterline-worker: wiring alone.
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include "common/base/log.h"
+#include "worker/config.h"
+#include "worker/engine_frames/engine_frame_renderer.h"
+#include "worker/session/channel.h"
+#include "worker/worker.h"
+
+namespace {
+
+using namespace shutterline;
+
+/// Waits for signals for as long as the process lives: the first lets the worker finish, the second ends
+/// the process. SIGTERM and SIGINT must be blocked in all threads.
+void WaitForSignals(const sigset_t& signals, worker::Worker& worker) {
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("draining signal={}", signal);
+  worker.Drain();
+  sigwait(&signals, &signal);
+  spdlog::warn("leaving at once signal={}", signal);
+  _exit(1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int exit_code = 0;
+  const auto config = worker::ParseCommandLine(argc, argv, exit_code);
+  if (!config) return exit_code;
+  if (const absl::Status status = SetUpLog("worker", config->log_level); !status.ok()) {
+    std::fprintf(stderr, "shutterline-worker: %s\n", std::string(status.message()).c_str());
+    return 2;
+  }
+
+  // Before any thread is made: threads inherit the mask.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  worker::EngineFrameRendererFactory engine;
+  auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator), config->worker, engine);
+  if (!worker.ok()) {
+    std::fprintf(stderr, "shutterline-worker: %s\n", worker.status().ToString().c_str());
+    return 1;
+  }
+  std::thread(WaitForSignals, std::cref(signals), std::ref(**worker)).detach();
+
+  const absl::Status end = (*worker)->Wait();
+  const worker::WorkerCounts counts = (*worker)->counts();
+  spdlog::info("worker left tiles={} failed={} status={}", counts.tiles_rendered, counts.tiles_failed,
+               LogValue(end.ToString()));
+  std::fflush(nullptr);
+  // Without destructors: the thread that waits for signals still uses the worker.
+  _exit(end.ok() ? 0 : 1);
+}

@@ -1,0 +1,20 @@
+#include "worker/session/channel.h"
+
+#include <grpcpp/grpcpp.h>
+
+namespace shutterline::worker {
+
+std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+  // How often to try is the session's decision (Backoff): the channel must not refuse without dialling.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 50);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
+  // A job's description names its files: the protocol allows 10,000 of up to 1 KiB.
+  arguments.SetMaxReceiveMessageSize(64 << 20);
+  return grpc::CreateCustomChannel(host_port, grpc::InsecureChannelCredentials(), arguments);
+}
+
+}  // namespace shutterline::worker
