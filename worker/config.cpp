@@ -21,8 +21,8 @@ is lost).
 
 Exit status: 0 left as told, 1 failed (refused by the coordinator, or tiles undelivered), 2 wrong usage.
 
-  shutterline-worker --coordinator render-host:7878
-  shutterline-worker --coordinator render-host:7878 --threads 8 --cache-dir /var/cache/shutterline
+  shutterline-worker --coordinator render-host:7400
+  shutterline-worker --coordinator render-host:7400 --threads 8 --cache-dir /var/cache/shutterline
 )";
 
 /// Empty if `value` is HOST:PORT with a port from 1 to 65535; else what is wrong.

@@ -76,9 +76,8 @@ TEST(FrameCache, ThreadsThatWantTheSameFrameWaitForOne) {
   std::vector<std::shared_ptr<const FrameRenderer>> got(kThreads);
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&, t] {
-      got[size_t(t)] = cache.Get(Sha256("s"), 7, RenderSettings(), OpenSource).value();
-    });
+    threads.emplace_back(
+        [&, t] { got[size_t(t)] = cache.Get(Sha256("s"), 7, RenderSettings(), OpenSource).value(); });
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(engine.imports, 1);

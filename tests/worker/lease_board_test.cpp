@@ -1,0 +1,133 @@
+#include "worker/loop/lease_board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <thread>
+
+namespace shutterline::worker {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::shared_ptr<const WorkerJob> Job() {
+  return std::make_shared<WorkerJob>();
+}
+
+TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
+  LeaseBoard board;
+  int progress = 0;
+  board.OnProgress([&] { ++progress; });
+  const uint32_t tiles[] = {5, 2};
+  ASSERT_TRUE(board.Grant(Job(), 7, 3, tiles));
+  EXPECT_FALSE(board.Grant(Job(), 7, 3, tiles)) << "held already";
+  const TileTask first = *board.Take(), second = *board.Take();
+  EXPECT_EQ(first.tile, 5u);
+  EXPECT_EQ(second.tile, 2u);
+  EXPECT_EQ(second.frame, 3);
+  board.Rendered(first);
+  board.Acknowledged(first);
+  EXPECT_EQ(progress, 0);
+  EXPECT_EQ(board.UnrenderedLeases(), 1u);
+  board.Rendered(second);
+  EXPECT_EQ(progress, 1);
+  EXPECT_EQ(board.UnrenderedLeases(), 0u);
+  EXPECT_TRUE(board.Idle());
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(7u));
+  board.Acknowledged(second);
+  EXPECT_THAT(board.LiveLeases(), IsEmpty());
+}
+
+TEST(LeaseBoard, RevokedTilesAreNotHandedOut) {
+  LeaseBoard board;
+  const uint32_t three[] = {0, 1, 2}, one[] = {9};
+  board.Grant(Job(), 1, 0, three);
+  board.Grant(Job(), 2, 0, one);
+  const TileTask under_way = *board.Take();
+  const uint64_t revoked[] = {1, 55};
+  board.Revoke(revoked);
+  EXPECT_EQ(board.UnrenderedLeases(), 1u);
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(2u));
+  EXPECT_EQ(board.Take()->tile, 9u);
+  board.Rendered(under_way);
+  board.Acknowledged(under_way);
+  EXPECT_EQ(board.UnrenderedLeases(), 1u) << "the other lease's tile is still under way";
+}
+
+TEST(LeaseBoard, TilesOfAnEarlierSessionDoNotCountForALeaseOfTheSameNumber) {
+  LeaseBoard board;
+  const uint32_t tiles[] = {0};
+  board.Grant(Job(), 1, 0, tiles);
+  const TileTask old = *board.Take();
+  board.Clear();
+  board.Grant(Job(), 1, 0, tiles);
+  board.Rendered(old);
+  board.Acknowledged(old);
+  EXPECT_EQ(board.UnrenderedLeases(), 1u);
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(1u));
+  EXPECT_FALSE(board.Idle());
+}
+
+TEST(LeaseBoard, CloseWakesWaitingThreads) {
+  LeaseBoard board;
+  std::thread waiting([&] { EXPECT_FALSE(board.Take().has_value()); });
+  board.Close();
+  waiting.join();
+}
+
+TEST(LeaseBoard, AnyOrderOfEventsEndsWithNothingHeld) {
+  for (uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    LeaseBoard board;
+    std::vector<TileTask> taken, rendered;
+    uint64_t next = 1;
+    const auto pop = [&](std::vector<TileTask>& from) {
+      std::swap(from[random() % from.size()], from.back());
+      TileTask task = from.back();
+      from.pop_back();
+      return task;
+    };
+    size_t waiting = 0;
+    for (int step = 0; step < 300; ++step) {
+      switch (random() % 5) {
+        case 0: {
+          const std::vector<uint32_t> tiles(1 + random() % 4, uint32_t(step));
+          ASSERT_TRUE(board.Grant(Job(), next++, 0, tiles));
+          waiting += tiles.size();
+          break;
+        }
+        case 1:
+        case 2:
+          if (waiting > 0) {
+            taken.push_back(*board.Take());
+            --waiting;
+          }
+          break;
+        case 3:
+          if (!taken.empty()) {
+            rendered.push_back(pop(taken));
+            board.Rendered(rendered.back());
+          }
+          break;
+        case 4:
+          if (!rendered.empty()) board.Acknowledged(pop(rendered));
+          break;
+      }
+    }
+    for (; waiting > 0; --waiting) taken.push_back(*board.Take());
+    while (!taken.empty()) {
+      rendered.push_back(pop(taken));
+      board.Rendered(rendered.back());
+    }
+    EXPECT_EQ(board.UnrenderedLeases(), 0u);
+    while (!rendered.empty()) board.Acknowledged(pop(rendered));
+    EXPECT_THAT(board.LiveLeases(), IsEmpty());
+    EXPECT_TRUE(board.Idle());
+  }
+}
+
+}  // namespace
+}  // namespace shutterline::worker
