@@ -22,10 +22,10 @@ std::unique_ptr<Process> Process::Start(const std::vector<std::string>& argument
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) return nullptr;
   if (pid == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     const int nothing = open("/dev/null", O_RDONLY);
@@ -39,7 +39,6 @@ std::unique_ptr<Process> Process::Start(const std::vector<std::string>& argument
     execv(argv[0], argv.data());
     _exit(127);
   }
-  (void)parent;
   return std::unique_ptr<Process>(new Process(pid, log));
 }
 
