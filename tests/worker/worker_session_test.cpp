@@ -191,7 +191,9 @@ TEST_F(WorkerSessionTest, ABrokenStreamLosesNoResultAndSendsNoneTwice) {
     ExpectPixels(state.results[i]);
     EXPECT_EQ(state.result_epochs[i], i < 8 ? 101u : 102u);
     // Lease numbers mean nothing to another session.
-    if (i >= 8) EXPECT_EQ(state.results[i].lease_id(), 0u);
+    if (i >= 8) {
+      EXPECT_EQ(state.results[i].lease_id(), 0u);
+    }
   }
   EXPECT_EQ(engine_.tiles, 8) << "sent again, not rendered again";
 }
