@@ -40,7 +40,9 @@ struct Place {
       return absl::StrCat(parent->Text(), "[", index, "]");
     }
     if (parent->parent == nullptr) return name;
-    return absl::StrCat(parent->Text(), parent->name == nullptr ? ": " : ".", name);
+    // "accessor 7: count", "accessor 7: sparse.count", "mesh 0: primitives[2].mode".
+    const bool in_element = parent->name == nullptr && parent->parent->parent->parent == nullptr;
+    return absl::StrCat(parent->Text(), in_element ? ": " : ".", name);
   }
 };
 
