@@ -1,0 +1,55 @@
+#include "server/config/config.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/strip.h>
+
+namespace shutterline::server {
+namespace {
+
+/// The host of "HOST:PORT", brackets of IPv6 removed.
+absl::string_view HostOf(absl::string_view listen) {
+  absl::string_view host = listen.substr(0, listen.rfind(':'));
+  if (absl::ConsumePrefix(&host, "[")) absl::ConsumeSuffix(&host, "]");
+  return host;
+}
+
+bool IsLoopback(absl::string_view host) {
+  if (host == "localhost" || host == "::1") return true;
+  if (host.substr(0, 4) != "127.") return false;
+  return host.find_first_not_of("0123456789.") == absl::string_view::npos;
+}
+
+}  // namespace
+
+absl::Status Validate(const Config& c) {
+  const auto refuse = [](absl::string_view field, absl::string_view reason) {
+    return absl::InvalidArgumentError(absl::StrCat("coordinator configuration: ", field, " ", reason));
+  };
+  if (c.data_dir.empty()) return refuse("data_dir", "is empty");
+  if (!c.listen.empty()) {
+    const size_t colon = c.listen.rfind(':');
+    const std::string port = colon == std::string::npos ? "" : c.listen.substr(colon + 1);
+    if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
+        std::stoi(port) > 65535) {
+      return refuse("listen", absl::StrCat("'", c.listen, "' is not HOST:PORT"));
+    }
+    if (!c.insecure_listen && !IsLoopback(HostOf(c.listen))) {
+      return refuse("listen",
+                    absl::StrCat("'", c.listen,
+                                 "' can be reached by other machines, but nothing would be encrypted or "
+                                 "authenticated; use 127.0.0.1, or insecure_listen in a trusted network"));
+    }
+  }
+  if (c.heartbeat_interval <= absl::ZeroDuration()) return refuse("heartbeat_interval", "must be above 0");
+  if (c.lease_ttl < 2 * c.heartbeat_interval)
+    return refuse("lease_ttl", "must be at least two heartbeat intervals");
+  if (c.stream_grace < absl::ZeroDuration()) return refuse("stream_grace", "must not be negative");
+  if (c.batch_time <= absl::ZeroDuration()) return refuse("batch_time", "must be above 0");
+  if (c.commit_interval < absl::ZeroDuration()) return refuse("commit_interval", "must not be negative");
+  if (c.commit_tiles < 1) return refuse("commit_tiles", "must be at least 1");
+  if (c.max_tile_failures < 1) return refuse("max_tile_failures", "must be at least 1");
+  if (c.max_message_bytes < 1 << 20) return refuse("max_message_bytes", "must be at least 1 MiB");
+  return absl::OkStatus();
+}
+
+}  // namespace shutterline::server

@@ -1,0 +1,37 @@
+#pragma once
+
+namespace shutterline::server {
+
+/// Migration i brings a store from version i to i + 1; the version is SQLite's user_version. A released
+/// migration is never changed: a new one is appended.
+inline constexpr const char* kMigrations[] = {
+    R"sql(
+      CREATE TABLE counters (
+        name  TEXT PRIMARY KEY,
+        value INTEGER NOT NULL
+      ) STRICT;
+      INSERT INTO counters VALUES ('epoch', 0);
+
+      CREATE TABLE jobs (
+        key          INTEGER PRIMARY KEY AUTOINCREMENT,  -- Grows; never reused.
+        id           TEXT NOT NULL UNIQUE,
+        request_id   TEXT NOT NULL UNIQUE,
+        spec         BLOB NOT NULL,                      -- A serialized shutterline.v1.JobSpec.
+        state        INTEGER NOT NULL,                   -- As JobState.
+        error        TEXT NOT NULL,
+        submitted_us INTEGER NOT NULL,                   -- Microseconds since 1970, UTC.
+        ended_us     INTEGER                             -- NULL: it has not ended.
+      ) STRICT;
+      CREATE INDEX jobs_unfinished ON jobs (key) WHERE ended_us IS NULL;
+
+      CREATE TABLE finished_frames (
+        job_key    INTEGER NOT NULL REFERENCES jobs (key),
+        frame      INTEGER NOT NULL,                     -- The frame's number.
+        digest     BLOB NOT NULL,                        -- SHA-256 of the EXR.
+        size_bytes INTEGER NOT NULL,
+        PRIMARY KEY (job_key, frame)
+      ) STRICT, WITHOUT ROWID;
+    )sql",
+};
+
+}  // namespace shutterline::server
