@@ -1,0 +1,76 @@
+#include "server/assemble/frame_assembler.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <bit>
+#include <cstring>
+
+#include "common/base/atomic_file.h"
+#include "common/base/build_id.h"
+#include "common/base/status_macros.h"
+#include "common/image/exr.h"
+#include "common/image/image.h"
+#include "common/job/tile.h"
+
+namespace shutterline::server {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "tiles travel and lie as little-endian floats");
+
+void Paste(absl::string_view rgba, const TileRect& rect, Image& image) {
+  const size_t row_bytes = size_t(rect.width) * 4 * sizeof(float);
+  for (int y = 0; y < rect.height; ++y) {
+    std::memcpy(image.At(rect.x, rect.y + y), rgba.data() + size_t(y) * row_bytes, row_bytes);
+  }
+}
+
+}  // namespace
+
+std::string DescribeSettings(const RenderSettings& s) {
+  std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
+                                  " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
+  if (s.integrator == IntegratorKind::kLine) {
+    absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
+    if (s.time_samples) {
+      absl::StrAppend(&text, " time_samples=", *s.time_samples);
+    } else {
+      absl::StrAppend(&text, " time_step=", s.time_step);
+    }
+  } else {
+    absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);
+  }
+  return text;
+}
+
+absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
+                                             const JobSpec& spec, const std::string& path) {
+  const TileGrid grid{spec.render.width, spec.render.height};
+  Image image(grid.width, grid.height);
+  AssembledFrame result;
+  for (int tile = 0; tile < grid.Count(); ++tile) {
+    const TileRect rect = grid.Rect(tile);
+    const absl::StatusOr<std::string> rgba = journal.Read({key.first, key.second, uint32_t(tile)});
+    if (!rgba.ok() && !absl::IsDataLoss(rgba.status()) && !absl::IsNotFound(rgba.status()))
+      return rgba.status();
+    if (!rgba.ok() || rgba->size() != size_t(rect.Area()) * 4 * sizeof(float)) {
+      result.lost_tiles.push_back(uint32_t(tile));
+      continue;
+    }
+    Paste(*rgba, rect, image);
+  }
+  if (!result.lost_tiles.empty()) return result;
+
+  ExrMetadata metadata;
+  metadata.frames_per_second = FrameRateOf(spec.render.fps);
+  metadata.strings["shutterline:build"] = kBuildId;
+  metadata.strings["shutterline:frame"] = absl::StrCat(spec.frames.Frame(key.second));
+  metadata.strings["shutterline:scene"] = spec.scene.root_name;
+  metadata.strings["shutterline:settings"] = DescribeSettings(spec.render);
+  SL_ASSIGN_OR_RETURN(const std::string bytes, EncodeExr(image, spec.output, metadata));
+  SL_RETURN_IF_ERROR(WriteFileAtomically(path, bytes));
+  result.digest = Sha256(bytes);
+  result.size = bytes.size();
+  return result;
+}
+
+}  // namespace shutterline::server

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/asset/digest.h"
+#include "common/job/job_spec.h"
+#include "server/assemble/tile_journal.h"
+
+namespace shutterline::server {
+
+/// A frame's EXR as it has been written.
+struct AssembledFrame {
+  Digest digest;
+  uint64_t size = 0;  ///< Bytes.
+  /// Tiles that the journal holds no longer soundly: nothing was written, they are to be rendered again.
+  std::vector<uint32_t> lost_tiles;
+};
+
+/// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and durably.
+/// Equal tiles give equal bytes. Thread-safe for different frames.
+absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
+                                             const JobSpec& spec, const std::string& path);
+
+/// What the EXR's header says of how the frame was made: words and numbers of the settings.
+std::string DescribeSettings(const RenderSettings& settings);
+
+}  // namespace shutterline::server
