@@ -32,13 +32,15 @@ absl::StatusOr<std::unique_ptr<TileJournal>> TileJournal::Open(const std::string
 absl::Status TileJournal::Recover(uint64_t segment) {
   SL_ASSIGN_OR_RETURN(File file, File::OpenToWrite(SegmentPath(segment)));
   SL_ASSIGN_OR_RETURN(const uint64_t size, file.Size());
-  SL_ASSIGN_OR_RETURN(const std::string text, file.ReadAt(0, size_t(size)));
+  const absl::StatusOr<std::string> read = file.ReadAt(0, size_t(size));
+  SL_RETURN_IF_ERROR(read.status());
+  const absl::string_view text = *read;
   size_t at = 0;
   int64_t whole = 0, damaged = 0;
-  if (absl::string_view(text).substr(0, kJournalHeadBytes) == kJournalHead) {
+  if (text.substr(0, kJournalHeadBytes) == kJournalHead) {
     at = kJournalHeadBytes;
     while (at < text.size()) {
-      const ParsedRecord record = ParseRecord(absl::string_view(text).substr(at));
+      const ParsedRecord record = ParseRecord(text.substr(at));
       if (record.state == ParsedRecord::State::kTorn) break;
       if (record.state == ParsedRecord::State::kWhole) {
         const uint64_t offset = uint64_t(record.rgba.data() - text.data());

@@ -82,6 +82,28 @@ void JobQueue::MarkFrameDone(int frame) {
   Finish(frame);
 }
 
+void JobQueue::Reopen(int frame, const std::vector<uint32_t>& tiles) {
+  Slot& slot = frames_[size_t(frame)];
+  if (slot.phase == Phase::kDone) {
+    slot.phase = Phase::kActive;
+    slot.frame = std::make_unique<Frame>();
+    slot.frame->done.assign(order_.size(), true);
+    slot.frame->done_count = tiles_per_frame();
+    slot.frame->cursor = order_.size();
+  }
+  Frame& f = Touch(frame);
+  for (const uint32_t tile : tiles) {
+    if (!f.done[tile]) continue;
+    f.done[tile] = false;
+    --f.done_count;
+    f.returned.push_back(tile);
+    ++f.queued;
+    ++queued_;
+    ++remaining_;
+    hungry_.insert(frame);
+  }
+}
+
 std::optional<int> JobQueue::ChooseFrame(const std::deque<int>& held, WorkerId worker) const {
   for (const int frame : held) {
     if (hungry_.contains(frame)) return frame;

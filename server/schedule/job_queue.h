@@ -37,6 +37,8 @@ class JobQueue {
   /// False if it was done before. The tile's lease, if any, no longer holds it.
   bool MarkDone(int frame, uint32_t tile);
   void MarkFrameDone(int frame);
+  /// Queues done tiles again, whose pixels have been lost.
+  void Reopen(int frame, const std::vector<uint32_t>& tiles);
 
   /// The frame that `worker` should render next: one of `held` (most recent first) with queued tiles, else
   /// one that nobody has begun, else the one with most queued tiles a worker. None: nothing is queued.

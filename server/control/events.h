@@ -1,0 +1,109 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/strings/string_view.h>
+#include <absl/time/time.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/job/job_spec.h"
+#include "server/jobs/job_store.h"
+#include "server/schedule/lease.h"
+
+/// What the farm and the services say to each other, free of generated code.
+namespace shutterline::server {
+
+// --- To a worker's session ---------------------------------------------------------------------------
+
+struct JobAnnounced {
+  std::string job_id;
+  std::shared_ptr<const JobSpec> spec;
+};
+struct LeaseGranted {
+  LeaseId lease = 0;
+  std::string job_id;
+  int frame = 0;  ///< The frame's number.
+  std::vector<uint32_t> tiles;
+};
+struct LeasesRevoked {
+  std::vector<LeaseId> leases;
+};
+struct JobForgotten {
+  std::string job_id;
+};
+struct DrainAsked {};
+using WorkerEvent = std::variant<JobAnnounced, LeaseGranted, LeasesRevoked, JobForgotten, DrainAsked>;
+
+/// The stream to a worker. Called under the farm's mutex: must return at once and not call back.
+class WorkerSink {
+ public:
+  virtual ~WorkerSink() = default;
+  virtual void Send(WorkerEvent event) = 0;
+  /// Ends the stream, after what was sent. Nothing is sent afterwards.
+  virtual void Close(const absl::Status& status) = 0;
+};
+
+// --- From a worker -----------------------------------------------------------------------------------
+
+struct TileReport {
+  std::string job_id;
+  int frame = 0;  ///< The frame's number.
+  uint32_t tile = 0;
+  bool failed = false;
+  std::string rgba;     ///< Unless it failed: little-endian floats.
+  std::string failure;  ///< Where it failed: why.
+  absl::Duration render_time;
+};
+
+enum class ReportOutcome { kStored, kDuplicate, kMismatch, kUnwanted, kRefused };
+
+// --- To clients --------------------------------------------------------------------------------------
+
+enum class FrameState { kQueued, kRunning, kFinished };
+
+struct FrameSnapshot {
+  int frame = 0;  ///< The frame's number.
+  FrameState state = FrameState::kQueued;
+  int tiles_total = 0, tiles_done = 0;
+  Digest digest;      ///< Where finished.
+  uint64_t size = 0;  ///< Where finished: bytes.
+};
+
+struct JobSnapshot {
+  uint64_t key = 0;
+  std::string id;
+  std::shared_ptr<const JobSpec> spec;
+  JobState state = JobState::kQueued;
+  std::string error;
+  int64_t frames_total = 0, frames_finished = 0;
+  int64_t tiles_total = 0, tiles_done = 0;
+  int64_t mismatched_tiles = 0;
+  absl::Time submitted, ended;
+  int workers = 0;
+};
+
+struct JobChange {
+  uint64_t seq = 0;
+  std::variant<JobSnapshot, FrameSnapshot> what;
+};
+
+struct WorkerSnapshot {
+  std::string uuid, name, build_id, isa;
+  int64_t slots = 0;
+  bool draining = false;
+  int64_t leased_tiles = 0, tiles_done = 0;
+  absl::Duration tile_time, silent;
+};
+
+/// Hears that a job has changed. Called under the farm's mutex: must return at once and not call back.
+class JobWatcher {
+ public:
+  virtual ~JobWatcher() = default;
+  virtual void OnChange() = 0;
+};
+
+}  // namespace shutterline::server

@@ -1,0 +1,89 @@
+// The part of Farm that takes results.
+#include <spdlog/spdlog.h>
+
+#include "common/base/log.h"
+#include "server/control/farm.h"
+
+namespace shutterline::server {
+
+std::vector<Farm::Destination> Farm::Locate(const std::vector<const TileReport*>& reports) {
+  std::vector<Destination> destinations(reports.size());
+  absl::MutexLock lock(&mutex_);
+  for (size_t i = 0; i < reports.size(); ++i) {
+    const TileReport& report = *reports[i];
+    Destination& destination = destinations[i];
+    const JobPtr job = FindLive(report.job_id);
+    if (job == nullptr || job->ending) {
+      destination.refusal = ReportOutcome::kUnwanted;
+      continue;
+    }
+    const TileGrid grid = job->grid();
+    const std::optional<int64_t> index = job->spec()->frames.IndexOf(report.frame);
+    const bool fits =
+        index && report.tile < uint32_t(grid.Count()) &&
+        (report.failed || report.rgba.size() == size_t(grid.Rect(int(report.tile)).Area()) * 16);
+    if (!fits) {
+      spdlog::warn("result does not fit its job job={} frame={} tile={} bytes={}", LogValue(report.job_id),
+                   report.frame, report.tile, report.rgba.size());
+      destination.refusal = ReportOutcome::kRefused;
+      continue;
+    }
+    if (job->Frame(int(*index)).state == FrameState::kFinished) {
+      destination.refusal = ReportOutcome::kUnwanted;
+      continue;
+    }
+    destination.address = {job->key(), int(*index), report.tile};
+  }
+  return destinations;
+}
+
+void Farm::Apply(const std::vector<Result>& results) {
+  std::vector<PoisonedTile> poisoned;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const Result& result : results) {
+      if (result.destination.refusal != ReportOutcome::kStored) continue;
+      const TileAddress& at = result.destination.address;
+      const auto found = by_key_.find(at.job);
+      const JobPtr job = found == by_key_.end() ? nullptr : found->second;
+      if (job == nullptr || job->ending) {
+        parts_.journal->DropJob(at.job);  // What came between the job's end and now.
+        continue;
+      }
+      WorkerEntry* worker = registry_.Find(result.worker);
+      if (worker != nullptr) {
+        worker->last_heard = parts_.clock->Monotonic();
+        scheduler_.Renew(result.worker, {});
+      }
+      if (result.report->failed) {
+        spdlog::warn("tile failed job={} frame={} tile={} reason={}", job->id(), result.report->frame,
+                     at.tile, LogValue(result.report->failure));
+        if (auto poison = scheduler_.Fail(at.job, at.frame, at.tile, result.worker, result.report->failure)) {
+          poisoned.push_back(*std::move(poison));
+        }
+        continue;
+      }
+      if (result.stored == TileJournal::Outcome::kMismatch) {
+        const std::optional<Digest> kept = parts_.journal->Find(at);
+        spdlog::error("tile rendered twice with different pixels job={} frame={} tile={} kept={} refused={}",
+                      job->id(), result.report->frame, at.tile, kept ? kept->ToHex() : "",
+                      Sha256(result.report->rgba).ToHex());
+        job->CountMismatch(NextSeq());
+      }
+      if (result.stored != TileJournal::Outcome::kStaged) continue;
+      if (!scheduler_.Complete(at.job, at.frame, at.tile, result.worker, result.report->render_time)) {
+        // Its frame was finished while it was on its way.
+        if (job->Frame(at.frame).state == FrameState::kFinished) parts_.journal->Forget(at);
+        continue;
+      }
+      if (worker != nullptr) ++worker->tiles_done;
+      job->TileDone(at.frame, NextSeq(), NextSeq());
+      if (scheduler_.Find(at.job)->DoneInFrame(at.frame) == job->grid().Count())
+        WriteFrameSoon(job, at.frame);
+    }
+    Pump();
+  }
+  EndPoisoned(poisoned);
+}
+
+}  // namespace shutterline::server

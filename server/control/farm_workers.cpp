@@ -1,0 +1,203 @@
+// The part of Farm that workers use.
+#include <absl/strings/escaping.h>
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/base/status_macros.h"
+#include "server/control/farm.h"
+
+namespace shutterline::server {
+namespace {
+
+/// Far beyond what a worker of kMaxSlots can use; keeps a hostile sum from overflowing.
+constexpr int64_t kMaxCredit = 1 << 20;
+
+}  // namespace
+
+absl::StatusOr<WorkerEntry> Farm::Register(const WorkerHello& hello) {
+  absl::MutexLock lock(&mutex_);
+  if (draining_) return absl::UnavailableError("the coordinator is about to stop");
+  absl::StatusOr<WorkerEntry*> entry = registry_.Register(hello, parts_.clock->Monotonic());
+  if (!entry.ok()) {
+    spdlog::warn("worker refused name={} reason={}", LogValue(hello.name.substr(0, 256)),
+                 LogValue(entry.status().message()));
+    return entry.status();
+  }
+  spdlog::info("worker registered worker={} name={} slots={} isa={} session={}", LogValue(hello.uuid),
+               LogValue(hello.name), hello.slots, LogValue(hello.isa), (*entry)->session_id);
+  for (const WorkerId id : registry_.Predecessors(**entry)) {
+    DropWorker(id, absl::AbortedError("the worker has started anew"));
+  }
+  Pump();
+  return **entry;
+}
+
+absl::StatusOr<WorkerId> Farm::FindSession(const std::string& session_id, uint64_t epoch) {
+  if (epoch != parts_.epoch) {
+    return absl::AbortedError(
+        absl::StrCat("epoch ", epoch, " is over, the current one is ", parts_.epoch, "; register again"));
+  }
+  absl::MutexLock lock(&mutex_);
+  const WorkerEntry* entry = registry_.FindSession(session_id);
+  if (entry == nullptr) {
+    return absl::AbortedError(
+        absl::StrCat("session '", absl::CHexEscape(session_id.substr(0, 80)), "' is over; register again"));
+  }
+  return entry->id;
+}
+
+absl::StatusOr<WorkerId> Farm::Attach(const std::string& session_id, uint64_t epoch, WorkerSink* sink) {
+  SL_ASSIGN_OR_RETURN(const WorkerId id, FindSession(session_id, epoch));
+  absl::MutexLock lock(&mutex_);
+  WorkerEntry* entry = registry_.Find(id);
+  if (entry == nullptr) return absl::AbortedError("the session is over; register again");
+  const bool is_new = !sessions_.contains(id);
+  Session& session = sessions_[id];
+  if (session.sink != nullptr)
+    session.sink->Close(absl::AbortedError("another stream has taken the session over"));
+  session.sink = sink;
+  session.announced.clear();
+  if (is_new) {
+    scheduler_.AddWorker(id, entry->hello.uuid, int(entry->hello.slots));
+  } else {
+    scheduler_.RegainWorker(id);
+  }
+  entry->attached = true;
+  entry->credit = 0;
+  wanting_.erase(id);
+  entry->last_heard = parts_.clock->Monotonic();
+  if (draining_) sink->Send(DrainAsked{});
+  return id;
+}
+
+void Farm::Detach(WorkerId id, WorkerSink* sink, bool orderly) {
+  absl::MutexLock lock(&mutex_);
+  const auto session = sessions_.find(id);
+  if (session == sessions_.end() || session->second.sink != sink) return;  // Taken over or dropped.
+  session->second.sink = nullptr;
+  wanting_.erase(id);
+  WorkerEntry* entry = registry_.Find(id);
+  SL_CHECK(entry != nullptr);
+  entry->attached = false;
+  spdlog::info("worker left worker={} session={} orderly={}", LogValue(entry->hello.uuid), entry->session_id,
+               orderly);
+  if (orderly) {
+    DropWorker(id, absl::OkStatus());
+    Pump();
+  } else {
+    scheduler_.LoseWorker(id);
+  }
+}
+
+void Farm::DropWorker(WorkerId id, const absl::Status& status) {
+  const auto session = sessions_.find(id);
+  if (session != sessions_.end()) {
+    if (session->second.sink != nullptr) session->second.sink->Close(status);
+    sessions_.erase(session);
+  }
+  wanting_.erase(id);
+  scheduler_.RemoveWorker(id);
+  registry_.Remove(id);
+}
+
+void Farm::AddCredit(WorkerId id, int64_t leases) {
+  absl::MutexLock lock(&mutex_);
+  WorkerEntry* entry = registry_.Find(id);
+  if (entry == nullptr || !entry->attached || leases <= 0) return;
+  entry->last_heard = parts_.clock->Monotonic();
+  scheduler_.Renew(id, {});
+  entry->credit = std::min(kMaxCredit, entry->credit + std::min(kMaxCredit, leases));
+  wanting_.insert(id);
+  while (GrantOne(*entry)) {
+  }
+}
+
+void Farm::Heartbeat(WorkerId id, const std::vector<LeaseId>& leases) {
+  absl::MutexLock lock(&mutex_);
+  WorkerEntry* entry = registry_.Find(id);
+  if (entry == nullptr) return;
+  entry->last_heard = parts_.clock->Monotonic();
+  scheduler_.Renew(id, leases);
+}
+
+void Farm::ReturnLeases(WorkerId id, const std::vector<LeaseId>& leases) {
+  absl::MutexLock lock(&mutex_);
+  scheduler_.Return(id, leases);
+  Pump();
+}
+
+void Farm::WorkerDrains(WorkerId id) {
+  absl::MutexLock lock(&mutex_);
+  WorkerEntry* entry = registry_.Find(id);
+  if (entry == nullptr) return;
+  entry->draining = true;
+  wanting_.erase(id);
+}
+
+void Farm::Drain() {
+  absl::MutexLock lock(&mutex_);
+  draining_ = true;
+  wanting_.clear();
+  for (auto& [id, session] : sessions_) {
+    if (session.sink != nullptr) session.sink->Send(DrainAsked{});
+  }
+}
+
+void Farm::CloseSessions(const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  draining_ = true;
+  wanting_.clear();
+  for (auto& [id, session] : sessions_) {
+    if (session.sink != nullptr) session.sink->Close(status);
+    session.sink = nullptr;
+    if (WorkerEntry* entry = registry_.Find(id)) entry->attached = false;
+  }
+}
+
+bool Farm::GrantOne(WorkerEntry& worker) {
+  if (draining_ || worker.draining || worker.credit <= 0) {
+    wanting_.erase(worker.id);
+    return false;
+  }
+  const auto session = sessions_.find(worker.id);
+  if (session == sessions_.end() || session->second.sink == nullptr) return false;
+  const std::optional<Lease> lease = scheduler_.Grant(worker.id);
+  if (!lease) return false;
+  const JobPtr& job = by_key_.at(lease->job);
+  if (session->second.announced.insert(job->id()).second) {
+    session->second.sink->Send(JobAnnounced{job->id(), job->spec()});
+  }
+  session->second.sink->Send(
+      LeaseGranted{lease->id, job->id(), job->spec()->frames.Frame(lease->frame), lease->tiles});
+  if (--worker.credit == 0) wanting_.erase(worker.id);
+  return true;
+}
+
+void Farm::Pump() {
+  // One lease each in turn, so that a small job is spread over all who want work.
+  bool granted = true;
+  while (granted && !wanting_.empty() && scheduler_.QueuedTiles() > 0) {
+    granted = false;
+    const std::vector<WorkerId> wanting(wanting_.begin(), wanting_.end());
+    for (const WorkerId id : wanting) {
+      if (WorkerEntry* entry = registry_.Find(id)) granted |= GrantOne(*entry);
+    }
+  }
+}
+
+void Farm::Revoke(const std::vector<EndedLease>& ended) {
+  std::map<WorkerId, std::vector<LeaseId>> by_worker;
+  for (const EndedLease& lease : ended) by_worker[lease.worker].push_back(lease.id);
+  for (auto& [worker, leases] : by_worker) {
+    const auto session = sessions_.find(worker);
+    if (session != sessions_.end() && session->second.sink != nullptr) {
+      session->second.sink->Send(LeasesRevoked{std::move(leases)});
+    }
+  }
+}
+
+}  // namespace shutterline::server

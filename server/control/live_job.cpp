@@ -1,0 +1,87 @@
+#include "server/control/live_job.h"
+
+namespace shutterline::server {
+
+LiveJob::LiveJob(const JobRecord& record, uint64_t seq) : frames_(size_t(record.spec.frames.Count())) {
+  snapshot_.key = record.key;
+  snapshot_.id = record.id;
+  snapshot_.spec = std::make_shared<const JobSpec>(record.spec);
+  snapshot_.state = record.state;
+  snapshot_.error = record.error;
+  snapshot_.frames_total = record.spec.frames.Count();
+  snapshot_.tiles_total = snapshot_.frames_total * grid().Count();
+  snapshot_.submitted = record.submitted;
+  snapshot_.ended = record.ended;
+  Changed(seq_, seq, kJobItself);
+}
+
+void LiveJob::Changed(uint64_t& last, uint64_t seq, int what) {
+  changes_.erase(last);
+  changes_[seq] = what;
+  last = seq;
+  dirty = true;
+}
+
+FrameSnapshot LiveJob::Frame(int index) const {
+  const FrameProgress& frame = frames_[size_t(index)];
+  FrameSnapshot snapshot;
+  snapshot.frame = spec()->frames.Frame(index);
+  snapshot.state = frame.finished         ? FrameState::kFinished
+                   : frame.tiles_done > 0 ? FrameState::kRunning
+                                          : FrameState::kQueued;
+  snapshot.tiles_total = grid().Count();
+  snapshot.tiles_done = frame.tiles_done;
+  snapshot.digest = frame.digest;
+  snapshot.size = frame.size;
+  return snapshot;
+}
+
+void LiveJob::TileDone(int index, uint64_t seq, uint64_t frame_seq) {
+  ++frames_[size_t(index)].tiles_done;
+  ++snapshot_.tiles_done;
+  if (snapshot_.state == JobState::kQueued) snapshot_.state = JobState::kRunning;
+  Changed(frames_[size_t(index)].seq, frame_seq, index);
+  Changed(seq_, seq, kJobItself);
+}
+
+void LiveJob::TilesLost(int index, int count, uint64_t seq, uint64_t frame_seq) {
+  frames_[size_t(index)].tiles_done -= count;
+  snapshot_.tiles_done -= count;
+  Changed(frames_[size_t(index)].seq, frame_seq, index);
+  Changed(seq_, seq, kJobItself);
+}
+
+void LiveJob::FrameFinished(int index, const Digest& digest, uint64_t size, uint64_t seq,
+                            uint64_t frame_seq) {
+  FrameProgress& frame = frames_[size_t(index)];
+  snapshot_.tiles_done += grid().Count() - frame.tiles_done;
+  frame.tiles_done = grid().Count();
+  frame.finished = true;
+  frame.digest = digest;
+  frame.size = size;
+  ++snapshot_.frames_finished;
+  if (snapshot_.state == JobState::kQueued) snapshot_.state = JobState::kRunning;
+  Changed(frame.seq, frame_seq, index);
+  Changed(seq_, seq, kJobItself);
+}
+
+void LiveJob::CountMismatch(uint64_t seq) {
+  ++snapshot_.mismatched_tiles;
+  Changed(seq_, seq, kJobItself);
+}
+
+void LiveJob::End(JobState state, const std::string& error, absl::Time now, uint64_t seq) {
+  snapshot_.state = state;
+  snapshot_.error = error;
+  snapshot_.ended = now;
+  Changed(seq_, seq, kJobItself);
+}
+
+std::optional<JobChange> LiveJob::NextChange(uint64_t seq) const {
+  const auto next = changes_.upper_bound(seq);
+  if (next == changes_.end()) return std::nullopt;
+  if (next->second == kJobItself) return JobChange{next->first, snapshot_};
+  return JobChange{next->first, Frame(next->second)};
+}
+
+}  // namespace shutterline::server

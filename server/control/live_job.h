@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "common/job/tile.h"
+#include "server/control/events.h"
+#include "server/jobs/job_store.h"
+
+namespace shutterline::server {
+
+/// A job in memory: what is on disk, how far its frames are, and in which order things changed. The farm's
+/// mutex guards it.
+class LiveJob {
+ public:
+  /// `seq` numbers the first change, that the job is there.
+  LiveJob(const JobRecord& record, uint64_t seq);
+
+  uint64_t key() const { return snapshot_.key; }
+  const std::string& id() const { return snapshot_.id; }
+  const std::shared_ptr<const JobSpec>& spec() const { return snapshot_.spec; }
+  JobState state() const { return snapshot_.state; }
+  TileGrid grid() const { return {spec()->render.width, spec()->render.height}; }
+  int frame_count() const { return int(frames_.size()); }
+  /// As clients see it, but for the number of workers.
+  const JobSnapshot& snapshot() const { return snapshot_; }
+  FrameSnapshot Frame(int index) const;
+  bool AllFinished() const { return snapshot_.frames_finished == snapshot_.frames_total; }
+
+  /// Each is a change with its number; numbers grow.
+  void TileDone(int index, uint64_t seq, uint64_t frame_seq);
+  void TilesLost(int index, int count, uint64_t seq, uint64_t frame_seq);
+  void FrameFinished(int index, const Digest& digest, uint64_t size, uint64_t seq, uint64_t frame_seq);
+  void CountMismatch(uint64_t seq);
+  void End(JobState state, const std::string& error, absl::Time now, uint64_t seq);
+
+  /// The first change after `seq`, as things are now.
+  std::optional<JobChange> NextChange(uint64_t seq) const;
+
+  bool ending = false;  ///< Being ended: nothing of it counts any more.
+  bool dirty = false;   ///< Changed since watchers were last told.
+  std::set<JobWatcher*> watchers;
+
+ private:
+  struct FrameProgress {
+    int tiles_done = 0;
+    bool finished = false;
+    uint64_t seq = 0;  ///< Of its last change; 0: none.
+    Digest digest;
+    uint64_t size = 0;
+  };
+  static constexpr int kJobItself = -1;
+
+  void Changed(uint64_t& last, uint64_t seq, int what);
+
+  JobSnapshot snapshot_;
+  std::vector<FrameProgress> frames_;
+  uint64_t seq_ = 0;
+  std::map<uint64_t, int> changes_;  ///< What changed last at this number: a frame, or the job itself.
+};
+
+}  // namespace shutterline::server
