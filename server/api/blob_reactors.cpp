@@ -1,0 +1,122 @@
+#include "server/api/blob_reactors.h"
+
+#include <absl/strings/str_cat.h>
+
+#include "common/base/status_macros.h"
+#include "proto/convert/job_spec.h"
+#include "proto/convert/status.h"
+#include "server/api/limits.h"
+
+namespace shutterline::server {
+
+BlobWriteReactor::BlobWriteReactor(AssetStore& store, WorkPool& pool, grpc::CallbackServerContext* context,
+                                   v1::Committed* response)
+    : store_(store), pool_(pool), context_(context), response_(response) {
+  StartRead(&chunk_);
+}
+
+void BlobWriteReactor::OnReadDone(bool ok) {
+  const bool accepted = pool_.Run([this, ok] {
+    // Both ends of a stream look like this: the writer is done, or it is gone.
+    if (!ok) return End(context_->IsCancelled() ? absl::CancelledError("the writer went away") : Complete());
+    const absl::Status status = Store();
+    if (!status.ok() || response_->complete()) return End(status);
+    StartRead(&chunk_);
+  });
+  if (!accepted) End(absl::UnavailableError("the coordinator is stopping"));
+}
+
+absl::Status BlobWriteReactor::Begin() {
+  begun_ = true;
+  SL_ASSIGN_OR_RETURN(const Digest digest, convert::FromProto(chunk_.digest(), "digest"));
+  SL_ASSIGN_OR_RETURN(const CommittedBlob blob, store_.Query(digest));
+  if (blob.complete) {
+    response_->set_size_bytes(blob.size);
+    response_->set_complete(true);
+    return absl::OkStatus();
+  }
+  position_ = chunk_.offset();
+  SL_ASSIGN_OR_RETURN(writer_, store_.Write(digest, chunk_.size_bytes(), position_));
+  return absl::OkStatus();
+}
+
+absl::Status BlobWriteReactor::Store() {
+  if (!begun_) {
+    SL_RETURN_IF_ERROR(Begin());
+    if (response_->complete()) return absl::OkStatus();
+  }
+  if (chunk_.offset() != position_) {
+    return absl::OutOfRangeError(
+        absl::StrCat("offset: is ", chunk_.offset(), ", but the last chunk ended at ", position_));
+  }
+  SL_RETURN_IF_ERROR(writer_->Append(chunk_.data()));
+  position_ += chunk_.data().size();
+  return absl::OkStatus();
+}
+
+absl::Status BlobWriteReactor::Complete() {
+  if (!begun_) return absl::InvalidArgumentError("the stream ended before its first chunk");
+  SL_ASSIGN_OR_RETURN(const CommittedBlob blob, writer_->Finish());
+  response_->set_size_bytes(blob.size);
+  response_->set_complete(blob.complete);
+  return absl::OkStatus();
+}
+
+void BlobWriteReactor::End(const absl::Status& status) {
+  writer_.reset();  // Before the client hears of it, so that it may write again at once.
+  Finish(convert::ToGrpc(status));
+}
+
+BlobReadReactor::BlobReadReactor(AssetStore& store, WorkPool& pool, const v1::ReadRequest& request)
+    : store_(store), pool_(pool), request_(request) {
+  const bool accepted = pool_.Run([this] {
+    const absl::Status status = Open();
+    if (!status.ok()) return Finish(convert::ToGrpc(status));
+    Next();
+  });
+  if (!accepted) Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
+}
+
+absl::Status BlobReadReactor::Open() {
+  SL_ASSIGN_OR_RETURN(digest_, convert::FromProto(request_.digest(), "digest"));
+  SL_ASSIGN_OR_RETURN(size_, store_.Size(digest_));
+  offset_ = request_.offset();
+  if (offset_ > size_) {
+    return absl::OutOfRangeError(
+        absl::StrCat("offset: is ", offset_, ", but the blob has ", size_, " bytes"));
+  }
+  *chunk_.mutable_digest() = request_.digest();
+  chunk_.set_size_bytes(size_);
+  return absl::OkStatus();
+}
+
+void BlobReadReactor::Next() {
+  absl::StatusOr<std::string> data = store_.Read(digest_, offset_, kChunkBytes);
+  if (data.ok() && data->empty() && offset_ < size_)
+    data = absl::DataLossError("the blob is shorter than it was");
+  if (!data.ok()) return Finish(convert::ToGrpc(data.status()));
+  if (request_.offset() == 0) hash_.Update(*data);
+  chunk_.set_offset(offset_);
+  offset_ += data->size();
+  chunk_.set_data(*std::move(data));
+  StartWrite(&chunk_);
+}
+
+absl::Status BlobReadReactor::Verify() {
+  if (request_.offset() != 0 || hash_.Finish() == digest_) return absl::OkStatus();
+  store_.ReportDamage(digest_);
+  return absl::DataLossError(
+      absl::StrCat("blob ", digest_.ToHex(), ": the disk holds other bytes; upload it again"));
+}
+
+void BlobReadReactor::OnWriteDone(bool ok) {
+  if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the reader went away"));
+  if (offset_ >= size_) return Finish(convert::ToGrpc(Verify()));
+  chunk_.clear_digest();
+  chunk_.clear_size_bytes();
+  if (!pool_.Run([this] { Next(); })) {
+    Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
+  }
+}
+
+}  // namespace shutterline::server

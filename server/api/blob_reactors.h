@@ -1,0 +1,63 @@
+#pragma once
+
+#include <grpcpp/server_context.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "common/asset/digest.h"
+#include "server/assets/asset_store.h"
+#include "server/control/work_pool.h"
+#include "shutterline/v1/blobs.pb.h"
+
+namespace shutterline::server {
+
+/// One Write call: a chunk is read, then stored on the pool, then the next.
+class BlobWriteReactor final : public grpc::ServerReadReactor<v1::BlobChunk> {
+ public:
+  BlobWriteReactor(AssetStore& store, WorkPool& pool, grpc::CallbackServerContext* context,
+                   v1::Committed* response);
+
+  void OnReadDone(bool ok) override;
+  void OnDone() override { delete this; }
+
+ private:
+  absl::Status Begin();
+  absl::Status Store();
+  absl::Status Complete();
+  void End(const absl::Status& status);
+
+  AssetStore& store_;
+  WorkPool& pool_;
+  grpc::CallbackServerContext* const context_;
+  v1::Committed* const response_;
+  v1::BlobChunk chunk_;
+  std::unique_ptr<BlobWriter> writer_;  ///< Null before the first chunk, and where the blob is here already.
+  bool begun_ = false;
+  uint64_t position_ = 0;  ///< Where the next chunk must start.
+};
+
+/// One Read call: a chunk is read on the pool and written, then the next. A stream from the beginning is
+/// hashed on its way and ends with DATA_LOSS where the disk held other bytes.
+class BlobReadReactor final : public grpc::ServerWriteReactor<v1::BlobChunk> {
+ public:
+  BlobReadReactor(AssetStore& store, WorkPool& pool, const v1::ReadRequest& request);
+
+  void OnWriteDone(bool ok) override;
+  void OnDone() override { delete this; }
+
+ private:
+  absl::Status Open();
+  void Next();
+  absl::Status Verify();
+
+  AssetStore& store_;
+  WorkPool& pool_;
+  const v1::ReadRequest request_;
+  Digest digest_;
+  Sha256Stream hash_;
+  uint64_t offset_ = 0, size_ = 0;
+  v1::BlobChunk chunk_;
+};
+
+}  // namespace shutterline::server

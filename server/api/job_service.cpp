@@ -1,0 +1,101 @@
+#include "server/api/job_service.h"
+
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/status_macros.h"
+#include "proto/convert/job_spec.h"
+#include "server/api/fetch_reactor.h"
+#include "server/api/messages.h"
+#include "server/api/unary.h"
+#include "server/api/watch_reactor.h"
+
+namespace shutterline::server {
+
+grpc::ServerUnaryReactor* JobService::GetCapabilities(grpc::CallbackServerContext* context,
+                                                      const v1::CapabilitiesRequest*,
+                                                      v1::Capabilities* response) {
+  *response = CapabilitiesOf(config_, identity_, farm_.epoch());
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* context,
+                                             const v1::SubmitRequest* request, v1::Job* response) {
+  return AnswerFrom(submit_pool_, context, [this, request, response]() -> absl::Status {
+    SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(request->spec(), config_.job_limits));
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Submit(request->request_id(), spec));
+    *response = ToMessage(job, SpecDetail::kFull);
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* JobService::Get(grpc::CallbackServerContext* context, const v1::JobRef* request,
+                                          v1::Job* response) {
+  return AnswerFrom(pool_, context, [this, request, response]() -> absl::Status {
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Get(request->job_id()));
+    *response = ToMessage(job, SpecDetail::kFull);
+    return absl::OkStatus();
+  });
+}
+
+absl::Status JobService::DoList(const v1::ListRequest& request, v1::ListResponse& response) {
+  uint64_t before = std::numeric_limits<int64_t>::max();
+  if (!request.page_token().empty() && !absl::SimpleAtoi(request.page_token(), &before)) {
+    return absl::InvalidArgumentError("page_token: is none of ours");
+  }
+  if (request.page_size() > kMaxPageSize) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("page_size: is ", request.page_size(), ", but at most ", kMaxPageSize, " may be"));
+  }
+  const int size = int(request.page_size() == 0 ? kDefaultPageSize : request.page_size());
+  SL_ASSIGN_OR_RETURN(const std::vector<JobSnapshot> jobs, farm_.List(before, size + 1));
+  for (size_t i = 0; i < std::min(jobs.size(), size_t(size)); ++i) {
+    *response.add_jobs() = ToMessage(jobs[i], SpecDetail::kWithoutFiles);
+  }
+  if (jobs.size() > size_t(size)) response.set_next_page_token(absl::StrCat(jobs[size_t(size) - 1].key));
+  return absl::OkStatus();
+}
+
+grpc::ServerUnaryReactor* JobService::List(grpc::CallbackServerContext* context,
+                                           const v1::ListRequest* request, v1::ListResponse* response) {
+  return AnswerFrom(pool_, context, [this, request, response] { return DoList(*request, *response); });
+}
+
+grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* context,
+                                              const v1::ControlRequest* request, v1::Job* response) {
+  return AnswerFrom(pool_, context, [this, request, response]() -> absl::Status {
+    if (request->action() != v1::ControlRequest::ACTION_CANCEL) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("action: value ", int(request->action()), " is not known or not specified"));
+    }
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Cancel(request->job_id()));
+    *response = ToMessage(job, SpecDetail::kFull);
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* context,
+                                                  const v1::ListWorkersRequest*,
+                                                  v1::ListWorkersResponse* response) {
+  return AnswerFrom(pool_, context, [this, response] {
+    for (const WorkerSnapshot& worker : farm_.Workers()) *response->add_workers() = ToMessage(worker);
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerWriteReactor<v1::JobEvent>* JobService::Watch(grpc::CallbackServerContext*,
+                                                          const v1::WatchRequest* request) {
+  return new WatchReactor(farm_, pool_, *request);  // Frees itself in OnDone.
+}
+
+grpc::ServerWriteReactor<v1::FrameChunk>* JobService::FetchFrame(grpc::CallbackServerContext*,
+                                                                 const v1::FrameRequest* request) {
+  return new FetchReactor(farm_, pool_, *request);  // Frees itself in OnDone.
+}
+
+}  // namespace shutterline::server

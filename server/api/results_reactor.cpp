@@ -1,0 +1,129 @@
+#include "server/api/results_reactor.h"
+
+#include <utility>
+
+#include "common/base/status_macros.h"
+#include "proto/convert/status.h"
+#include "server/api/limits.h"
+#include "server/api/messages.h"
+
+namespace shutterline::server {
+
+ResultsReactor::ResultsReactor(Farm& farm, ResultCommitter& committer) : farm_(farm), committer_(committer) {
+  StartRead(&incoming_);
+}
+
+absl::Status ResultsReactor::Handle() {
+  if (!worker_) {
+    SL_ASSIGN_OR_RETURN(worker_, farm_.FindSession(incoming_.session_id(), incoming_.epoch()));
+  }
+  const uint64_t batch_id = incoming_.batch_id();
+  std::vector<TileReport> reports;
+  reports.reserve(size_t(incoming_.tiles_size()));
+  size_t bytes = 0;
+  for (v1::TileResult& result : *incoming_.mutable_tiles()) {
+    SL_ASSIGN_OR_RETURN(TileReport report, TakeReport(result));
+    bytes += report.rgba.size();
+    reports.push_back(std::move(report));
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    ++pending_;
+    pending_bytes_ += bytes;
+  }
+  committer_.Enqueue(
+      *worker_, std::move(reports),
+      [this, batch_id, bytes](const absl::Status& status, const std::vector<ReportOutcome>& outcomes) {
+        Committed(batch_id, bytes, status, outcomes);
+      });
+  return absl::OkStatus();
+}
+
+void ResultsReactor::OnReadDone(bool ok) {
+  if (!ok) return Close(absl::OkStatus());
+  {
+    absl::MutexLock lock(&mutex_);
+    if (finished_) return;
+    handling_ = true;
+  }
+  const absl::Status handled = Handle();
+  grpc::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    handling_ = false;
+    if (!handled.ok() && !closing_) closing_ = handled;
+    if (!closing_) {
+      read_paused_ = pending_bytes_ > kMaxUncommittedBytes;
+      if (!read_paused_) StartRead(&incoming_);
+      return;
+    }
+    if (!TakeFinish(status)) return;
+  }
+  Finish(status);
+}
+
+void ResultsReactor::Committed(uint64_t batch_id, size_t bytes, const absl::Status& committed,
+                               const std::vector<ReportOutcome>& outcomes) {
+  grpc::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    --pending_;
+    pending_bytes_ -= bytes;
+    if (!committed.ok() && (!closing_ || closing_->ok())) closing_ = committed;
+    if (!closing_ || closing_->ok()) {
+      v1::ResultAck ack;
+      ack.set_batch_id(batch_id);
+      for (const ReportOutcome outcome : outcomes) ack.add_outcomes(ToMessage(outcome));
+      outgoing_.push_back(std::move(ack));
+      if (!writing_) {
+        writing_ = true;
+        StartWrite(&outgoing_.front());
+      }
+    }
+    if (read_paused_ && !closing_ && pending_bytes_ <= kMaxUncommittedBytes) {
+      read_paused_ = false;
+      StartRead(&incoming_);
+    }
+    if (!TakeFinish(status)) return;
+  }
+  Finish(status);
+}
+
+void ResultsReactor::OnWriteDone(bool ok) {
+  grpc::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    outgoing_.pop_front();
+    if (!ok) {
+      outgoing_.clear();
+      if (!closing_ || closing_->ok()) closing_ = absl::CancelledError("the worker went away");
+    }
+    if (!outgoing_.empty()) {
+      writing_ = true;
+      StartWrite(&outgoing_.front());
+      return;
+    }
+    if (!TakeFinish(status)) return;
+  }
+  Finish(status);
+}
+
+void ResultsReactor::Close(const absl::Status& reason) {
+  grpc::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!closing_) closing_ = reason;
+    if (!TakeFinish(status)) return;
+  }
+  Finish(status);
+}
+
+bool ResultsReactor::TakeFinish(grpc::Status& status) {
+  if (finished_ || writing_ || handling_ || pending_ > 0 || !closing_) return false;
+  finished_ = true;
+  status = convert::ToGrpc(*closing_);
+  return true;
+}
+
+}  // namespace shutterline::server

@@ -1,0 +1,224 @@
+#include "server/coordinator.h"
+
+#include <absl/base/thread_annotations.h>
+#include <absl/strings/str_cat.h>
+#include <absl/synchronization/mutex.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "common/base/build_id.h"
+#include "common/base/status_macros.h"
+#include "proto/convert/protocol.h"
+#include "server/api/asset_service.h"
+#include "server/api/job_service.h"
+#include "server/api/worker_service.h"
+#include "server/assemble/tile_journal.h"
+#include "server/assets/blob_scene_source.h"
+#include "server/assets/disk_asset_store.h"
+#include "server/control/farm.h"
+#include "server/control/result_committer.h"
+#include "server/control/work_pool.h"
+#include "server/files/file.h"
+#include "server/jobs/sqlite_job_store.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/gltf_import.h"
+
+namespace shutterline::server {
+namespace {
+
+constexpr int kPoolThreads = 4;
+constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
+constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
+constexpr absl::Duration kTick = absl::Milliseconds(50);
+
+absl::Status CheckScene(const JobSpec& spec, AssetStore& assets) {
+  const BlobSceneSource source(spec.scene, assets);
+  SL_ASSIGN_OR_RETURN(const std::shared_ptr<const engine::Scene> scene, engine::ImportGltf(source));
+  return engine::ValidateAgainstScene(*scene, spec.render);
+}
+
+/// A scene that cannot be rendered is the request's fault, whatever the importer calls it; troubles of our
+/// own disk are not.
+absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets) {
+  const absl::Status status = CheckScene(spec, assets);
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kInternal:
+      return status;
+    default:
+      return absl::InvalidArgumentError(status.message());
+  }
+}
+
+}  // namespace
+
+class Coordinator::Impl {
+ public:
+  Impl(const Config& config, const Clock& clock) : config_(config), clock_(clock) {}
+  ~Impl() { Shutdown(absl::ZeroDuration()); }
+
+  absl::Status Start();
+  void Shutdown(absl::Duration grace);
+  int port() const { return port_; }
+  std::shared_ptr<grpc::Channel> InProcessChannel();
+
+ private:
+  absl::Status OpenStores();
+  absl::Status StartServer();
+  void TickUntilStopped();
+
+  const Config config_;
+  const Clock& clock_;
+  const CoordinatorIdentity identity_{kBuildId, convert::kProtocolLow, convert::kProtocolHigh};
+
+  // In the order in which they depend on each other: freed from the last to the first.
+  std::unique_ptr<SqliteJobStore> store_;
+  std::unique_ptr<DiskAssetStore> assets_;
+  std::unique_ptr<TileJournal> journal_;
+  std::unique_ptr<Farm> farm_;
+  std::unique_ptr<WorkPool> frames_pool_, pool_, submit_pool_;
+  std::unique_ptr<ResultCommitter> committer_;
+  std::unique_ptr<JobService> job_service_;
+  std::unique_ptr<AssetService> asset_service_;
+  std::unique_ptr<WorkerService> worker_service_;
+  std::unique_ptr<grpc::Server> server_;
+  int port_ = 0;
+
+  std::thread ticker_;
+  absl::Mutex mutex_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+absl::Status Coordinator::Impl::OpenStores() {
+  SL_RETURN_IF_ERROR(MakeFolders(config_.data_dir));
+  SL_ASSIGN_OR_RETURN(store_, SqliteJobStore::Open(absl::StrCat(config_.data_dir, "/jobs.sqlite")));
+  SL_RETURN_IF_ERROR(SyncFolder(config_.data_dir));
+  SL_ASSIGN_OR_RETURN(
+      assets_, DiskAssetStore::Open(absl::StrCat(config_.data_dir, "/assets"), config_.max_blob_bytes));
+  SL_ASSIGN_OR_RETURN(journal_, TileJournal::Open(absl::StrCat(config_.data_dir, "/journal"), {}));
+  const std::string frames_folder = absl::StrCat(config_.data_dir, "/frames");
+  SL_RETURN_IF_ERROR(MakeFolders(frames_folder));
+
+  frames_pool_ = std::make_unique<WorkPool>(kFrameThreads);
+  pool_ = std::make_unique<WorkPool>(kPoolThreads);
+  submit_pool_ = std::make_unique<WorkPool>(kSubmitThreads);
+  Farm::Parts parts;
+  parts.config = config_;
+  parts.clock = &clock_;
+  parts.store = store_.get();
+  parts.assets = assets_.get();
+  parts.journal = journal_.get();
+  parts.frames_pool = frames_pool_.get();
+  parts.frames_folder = frames_folder;
+  SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
+  parts.identity = identity_;
+  parts.check_scene = CheckSubmittedScene;
+  farm_ = std::make_unique<Farm>(std::move(parts));
+  return farm_->Resume();
+}
+
+absl::Status Coordinator::Impl::StartServer() {
+  committer_ =
+      std::make_unique<ResultCommitter>(*farm_, *journal_, config_.commit_interval, config_.commit_tiles);
+  job_service_ = std::make_unique<JobService>(*farm_, config_, identity_, *pool_, *submit_pool_);
+  asset_service_ = std::make_unique<AssetService>(*assets_, *pool_);
+  worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_);
+
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  builder.SetMaxReceiveMessageSize(config_.max_message_bytes);
+  // Pings of workers every 20 s, also between calls, are welcome.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+  // A port that another coordinator serves is taken.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  if (!config_.listen.empty()) {
+    builder.AddListeningPort(config_.listen, grpc::InsecureServerCredentials(), &port_);
+  }
+  builder.RegisterService(job_service_.get());
+  builder.RegisterService(asset_service_.get());
+  builder.RegisterService(worker_service_.get());
+  server_ = builder.BuildAndStart();
+  if (server_ == nullptr || (!config_.listen.empty() && port_ == 0)) {
+    return absl::UnavailableError(absl::StrCat("cannot listen on ", config_.listen));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Coordinator::Impl::Start() {
+  SL_RETURN_IF_ERROR(Validate(config_));
+  SL_RETURN_IF_ERROR(Annotate(OpenStores(), absl::StrCat("open ", config_.data_dir)));
+  SL_RETURN_IF_ERROR(StartServer());
+  ticker_ = std::thread([this] { TickUntilStopped(); });
+  spdlog::info("coordinator serves listen={} port={} data={} epoch={} build={}",
+               config_.listen.empty() ? "in-process" : config_.listen, port_, config_.data_dir,
+               farm_->epoch(), kBuildId);
+  return absl::OkStatus();
+}
+
+void Coordinator::Impl::TickUntilStopped() {
+  while (true) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), kTick)) return;
+    }
+    farm_->Tick();
+  }
+}
+
+std::shared_ptr<grpc::Channel> Coordinator::Impl::InProcessChannel() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  return server_->InProcessChannel(arguments);
+}
+
+void Coordinator::Impl::Shutdown(absl::Duration grace) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (std::exchange(stopping_, true)) return;
+  }
+  if (ticker_.joinable()) ticker_.join();
+  if (server_ != nullptr) {
+    farm_->Drain();
+    // Streams to workers end by themselves when the workers have drained, or else at the deadline.
+    server_->Shutdown(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(grace));
+    server_->Wait();
+  }
+  if (committer_ != nullptr) committer_->Stop();
+  for (WorkPool* pool : {submit_pool_.get(), pool_.get(), frames_pool_.get()}) {
+    if (pool != nullptr) pool->Stop();
+  }
+  if (farm_ != nullptr) spdlog::info("coordinator stopped epoch={}", farm_->epoch());
+}
+
+Coordinator::Coordinator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Coordinator::~Coordinator() = default;
+
+absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Start(const Config& config, const Clock& clock) {
+  auto impl = std::make_unique<Impl>(config, clock);
+  SL_RETURN_IF_ERROR(impl->Start());
+  return std::unique_ptr<Coordinator>(new Coordinator(std::move(impl)));
+}
+
+int Coordinator::port() const {
+  return impl_->port();
+}
+std::shared_ptr<grpc::Channel> Coordinator::InProcessChannel() {
+  return impl_->InProcessChannel();
+}
+void Coordinator::Shutdown(absl::Duration grace) {
+  impl_->Shutdown(grace);
+}
+
+}  // namespace shutterline::server

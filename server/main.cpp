@@ -1,0 +1,88 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+#include "common/base/atomic_file.h"
+#include "common/base/build_id.h"
+#include "common/base/log.h"
+#include "server/coordinator.h"
+
+namespace {
+
+using shutterline::LogValue;
+
+struct Options {
+  shutterline::server::Config config;
+  std::string port_file, log_level = "info";
+  double grace_seconds = 10;
+};
+
+void Declare(CLI::App& app, Options& options) {
+  app.add_option("--listen", options.config.listen, "HOST:PORT to serve on; port 0 takes a free one")
+      ->capture_default_str();
+  app.add_option("--data", options.config.data_dir,
+                 "Folder for jobs, blobs, tiles and frames; made if missing")
+      ->required();
+  app.add_option("--port-file", options.port_file, "File to write the port to, once it is served");
+  app.add_flag(
+      "--insecure-listen", options.config.insecure_listen,
+      "Serve also on addresses that other machines reach, though nothing is encrypted or authenticated");
+  app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  app.set_version_flag("--version", shutterline::kBuildId);
+  app.footer(
+      "Accepts jobs from `shutterline submit`, hands their tiles to every `shutterline-worker` that "
+      "connects,\n"
+      "and writes the frames. All that it has acknowledged survives a crash: start it again on the same "
+      "folder.");
+}
+
+int Serve(const Options& options) {
+  // Blocked before any thread starts, so that all threads inherit it and sigwait below gets the signal.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  auto coordinator = shutterline::server::Coordinator::Start(options.config);
+  if (!coordinator.ok()) {
+    spdlog::error("cannot start reason={}", LogValue(coordinator.status().message()));
+    return 1;
+  }
+  if (!options.port_file.empty()) {
+    const absl::Status written =
+        shutterline::WriteFileAtomically(options.port_file, std::to_string((*coordinator)->port()) + "\n");
+    if (!written.ok()) {
+      spdlog::error("cannot write the port file reason={}", LogValue(written.message()));
+      return 1;
+    }
+  }
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("stopping signal={}", signal);
+  (*coordinator)->Shutdown(absl::Seconds(options.grace_seconds));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  options.config.listen = "127.0.0.1:7400";
+  CLI::App app{"The coordinator of a Shutterline farm.", "shutterline-server"};
+  Declare(app, options);
+  CLI11_PARSE(app, argc, argv);
+  const absl::Status log = shutterline::SetUpLog("server", options.log_level);
+  if (!log.ok()) {
+    std::fprintf(stderr, "shutterline-server: %s\n", std::string(log.message()).c_str());
+    return 1;
+  }
+  return Serve(options);
+}
