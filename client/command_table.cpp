@@ -1,0 +1,21 @@
+#include "client/commands.h"
+
+namespace shutterline::client {
+
+const std::vector<CommandEntry>& CommandTable() {
+  static const auto* const table = new std::vector<CommandEntry>{
+      {"render", "On this machine", "Render a scene here, without a server", MakeRenderCommand},
+      {"info", "On this machine", "Tell what a scene contains", MakeInfoCommand},
+      {"compare", "On this machine", "Measure how two pictures differ", MakeCompareCommand},
+      {"submit", "On a farm", "Give a scene to a server to render", MakeSubmitCommand},
+      {"status", "On a farm", "Tell how a job stands", MakeStatusCommand},
+      {"list", "On a farm", "List the server's jobs, latest first", MakeListCommand},
+      {"watch", "On a farm", "Follow a job until it has ended", MakeWatchCommand},
+      {"fetch", "On a farm", "Get a job's finished frames", MakeFetchCommand},
+      {"cancel", "On a farm", "End a job; finished frames stay", MakeCancelCommand},
+      {"workers", "On a farm", "List the workers that are connected", MakeWorkersCommand},
+  };
+  return *table;
+}
+
+}  // namespace shutterline::client

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "client/command_line.h"
+
+namespace shutterline::client {
+
+// One file per command.
+std::unique_ptr<Command> MakeRenderCommand();
+std::unique_ptr<Command> MakeSubmitCommand();
+std::unique_ptr<Command> MakeStatusCommand();
+std::unique_ptr<Command> MakeListCommand();
+std::unique_ptr<Command> MakeWatchCommand();
+std::unique_ptr<Command> MakeFetchCommand();
+std::unique_ptr<Command> MakeCancelCommand();
+std::unique_ptr<Command> MakeWorkersCommand();
+std::unique_ptr<Command> MakeInfoCommand();
+std::unique_ptr<Command> MakeCompareCommand();
+
+/// Every command of the program `shutterline`, in the order of its help.
+const std::vector<CommandEntry>& CommandTable();
+
+}  // namespace shutterline::client

@@ -1,0 +1,65 @@
+#include "client/parse.h"
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <system_error>
+
+#include "common/base/status_macros.h"
+#include "common/job/render_settings.h"
+
+namespace shutterline::client {
+namespace {
+
+/// std::from_chars over all of `text`: it knows neither spaces, nor plus signs, nor locales.
+template <typename Number>
+bool ReadAll(absl::string_view text, Number& value) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end && !text.empty();
+}
+
+}  // namespace
+
+absl::StatusOr<int64_t> ParseWhole(absl::string_view text, int64_t least, int64_t most) {
+  int64_t value = 0;
+  if (!ReadAll(text, value) || value < least || value > most) {
+    return absl::InvalidArgumentError(absl::StrCat("must be a whole number from ", least, " to ", most));
+  }
+  return value;
+}
+
+absl::StatusOr<uint64_t> ParseUnsigned(absl::string_view text) {
+  uint64_t value = 0;
+  if (!ReadAll(text, value)) {
+    return absl::InvalidArgumentError("must be a whole number from 0 to 18446744073709551615");
+  }
+  return value;
+}
+
+absl::StatusOr<double> ParseReal(absl::string_view text, double least, double most,
+                                 absl::string_view allowed) {
+  double value = 0;
+  // from_chars accepts the words "nan" and "inf": neither passes the comparison.
+  if (!ReadAll(text, value) || !(value >= least && value <= most)) {
+    return absl::InvalidArgumentError(absl::StrCat("must be ", allowed));
+  }
+  return value;
+}
+
+absl::StatusOr<FrameSize> ParseFrameSize(absl::string_view text) {
+  const size_t cross = text.find('x');
+  if (cross == absl::string_view::npos) {
+    return absl::InvalidArgumentError("must be WIDTHxHEIGHT in pixels, as in 1024x768");
+  }
+  const auto width = ParseWhole(text.substr(0, cross), 1, kMaxFrameSide);
+  if (!width.ok()) return Annotate(width.status(), "width");
+  const auto height = ParseWhole(text.substr(cross + 1), 1, kMaxFrameSide);
+  if (!height.ok()) return Annotate(height.status(), "height");
+  return FrameSize{static_cast<int>(*width), static_cast<int>(*height)};
+}
+
+}  // namespace shutterline::client

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <absl/strings/string_view.h>
+#include <absl/time/time.h>
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "common/base/clock.h"
+
+namespace shutterline::client {
+
+enum class ProgressStyle {
+  kBar,    ///< One line that is drawn over and over: for terminals.
+  kLines,  ///< A line at each tenth and at most one a second: for logs and pipes.
+  kQuiet,  ///< Nothing at all.
+};
+
+/// What a job has got done; what `Progress` draws.
+struct ProgressFacts {
+  std::string state;  ///< "queued", "running", ...
+  int64_t tiles_done = 0, tiles_total = 0;
+  int64_t frames_done = 0, frames_total = 0;
+  std::string note;  ///< "no worker is connected", or empty.
+};
+
+/// Shows how a job advances: Update* Finish?, with Note at any time. Not thread-safe. What it says is
+/// never needed by a program: facts go to standard output, progress to standard error.
+class Progress {
+ public:
+  /// `out` and `clock` must outlive it.
+  Progress(ProgressStyle style, std::ostream& out, const Clock& clock = Clock::System());
+  /// Leaves the terminal on a fresh line.
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void Update(const ProgressFacts& facts);
+  /// A whole line of text above the bar.
+  void Note(absl::string_view text);
+  /// Draws the last facts and leaves the bar standing.
+  void Finish();
+
+ private:
+  std::string BarText(const ProgressFacts& facts, absl::Duration elapsed) const;
+  std::string LineText(const ProgressFacts& facts, absl::Duration elapsed) const;
+  void Draw();
+  void Erase();
+
+  const ProgressStyle style_;
+  std::ostream& out_;
+  const Clock& clock_;
+  const absl::Duration start_;
+  ProgressFacts facts_;
+  bool has_facts_ = false;
+  bool bar_drawn_ = false;
+  absl::Duration last_draw_;
+  int64_t last_tenth_ = -1;
+  std::string last_words_;  ///< State and note of the line printed last.
+};
+
+}  // namespace shutterline::client

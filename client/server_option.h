@@ -1,0 +1,34 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/strings/string_view.h>
+
+#include <memory>
+#include <string>
+
+#include "client/command_line.h"
+#include "client/connection.h"
+
+namespace shutterline::client {
+
+/// --server HOST:PORT, or the environment variable SHUTTERLINE_SERVER.
+class ServerOption {
+ public:
+  void Declare(CLI::App& app);
+  /// INVALID_ARGUMENT where neither was given.
+  absl::Status Check() const;
+  /// Dials and compares protocols. Waits are told to `console`, unless `quiet`.
+  absl::StatusOr<std::unique_ptr<Connection>> Connect(Console& console, Interrupt* interrupt,
+                                                      bool quiet = false) const;
+
+  const std::string& host_port() const { return host_port_; }
+
+ private:
+  std::string host_port_;
+};
+
+/// OK for "HOST:PORT" with a port from 1 to 65535; the host is a name, an IPv4 address or an IPv6 address
+/// in brackets. INVALID_ARGUMENT saying what is allowed otherwise.
+absl::Status CheckHostPort(absl::string_view text);
+
+}  // namespace shutterline::client

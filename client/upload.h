@@ -1,0 +1,33 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <functional>
+
+#include "client/connection.h"
+#include "client/scene_folder.h"
+#include "common/job/job_spec.h"
+
+namespace shutterline::client {
+
+struct UploadReport {
+  int64_t files = 0;           ///< Of the scene.
+  uint64_t bytes = 0;          ///< Of the scene.
+  int64_t files_uploaded = 0;  ///< Those that the coordinator lacked; equal files count once.
+  uint64_t bytes_uploaded = 0;
+};
+
+/// Told as an upload advances: bytes sent and to send, of the files that the coordinator lacks.
+using UploadProgress = std::function<void(uint64_t sent, uint64_t total)>;
+
+/// Sends those files of `manifest` that the coordinator lacks, each from where an earlier attempt broke
+/// off. A dropped connection is resumed for as long as the connection's retry policy says. Files are read
+/// again and must not have changed since the manifest was made (ABORTED).
+absl::StatusOr<UploadReport> Upload(Connection& connection, const SceneFolder& folder,
+                                    const SceneManifest& manifest, const UploadProgress& progress = nullptr);
+
+/// "3 files, 12.5 MB: all uploaded", "..., unchanged: 0 bytes uploaded": for people.
+std::string Describe(const UploadReport& report);
+
+}  // namespace shutterline::client
