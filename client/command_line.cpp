@@ -61,9 +61,9 @@ int RunCommandLine(const std::vector<std::string>& arguments, const std::vector<
     app->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
     const auto chosen = app->get_subcommands();
-    console.out << (chosen.empty() ? app->help()
-                                   : chosen.front()->help(absl::StrCat("shutterline ",
-                                                                       chosen.front()->get_name())));
+    console.out << (chosen.empty()
+                        ? app->help()
+                        : chosen.front()->help(absl::StrCat("shutterline ", chosen.front()->get_name())));
     return static_cast<int>(ExitCode::kSuccess);
   } catch (const CLI::CallForVersion& version) {
     console.out << version.what() << "\n";
@@ -113,8 +113,7 @@ CLI::Option* AddValue(CLI::App& app, const std::string& names, const std::string
   return option;
 }
 
-void AddExamples(CLI::App& app, const std::vector<std::string>& examples,
-                 const std::string& closing_words) {
+void AddExamples(CLI::App& app, const std::vector<std::string>& examples, const std::string& closing_words) {
   std::string text = examples.size() == 1 ? "Example:" : "Examples:";
   for (const std::string& example : examples) absl::StrAppend(&text, "\n  ", example);
   if (!closing_words.empty()) absl::StrAppend(&text, "\n\n", closing_words);

@@ -40,14 +40,13 @@ Connection::Connection(std::shared_ptr<grpc::Channel> channel, std::string peer,
       options_(std::move(options)),
       channel_(std::move(channel)),
       jobs_(v1::Jobs::NewStub(channel_)),
-      blobs_(v1::Blobs::NewStub(channel_)) {
-}
+      blobs_(v1::Blobs::NewStub(channel_)) {}
 
 bool Connection::PauseAfter(Backoff& backoff, const absl::Status& status) {
   if (backoff.failing()) return backoff.PauseAfter(status);
   if (absl::IsUnavailable(status) && options_.on_wait) {
-    options_.on_wait(absl::StrCat(peer_, " does not answer, trying again (",
-                                  std::string(status.message()), ")"));
+    options_.on_wait(
+        absl::StrCat(peer_, " does not answer, trying again (", std::string(status.message()), ")"));
   }
   return backoff.PauseAfter(status);
 }

@@ -47,8 +47,7 @@ class Connection {
   /// A unary call that may be repeated: `call(context, reply)` is tried until it is not UNAVAILABLE or
   /// patience ends. `what` says what is being done ("submit the job"). Each try has `deadline`.
   template <typename Reply, typename Call>
-  absl::StatusOr<Reply> Repeat(absl::string_view what, Call call,
-                               absl::Duration deadline = kUnaryDeadline) {
+  absl::StatusOr<Reply> Repeat(absl::string_view what, Call call, absl::Duration deadline = kUnaryDeadline) {
     Backoff backoff(options_.retry, options_.interrupt);
     while (true) {
       grpc::ClientContext context;

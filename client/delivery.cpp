@@ -73,8 +73,8 @@ std::string DescribeEnd(const v1::Job& job) {
 ProgressFacts FactsOf(const v1::Job& job) {
   ProgressFacts facts;
   facts.state = WordOf(job.state());
-  facts.tiles_done = static_cast<int64_t>(job.tiles_done());
-  facts.tiles_total = static_cast<int64_t>(job.tiles_total());
+  facts.done = static_cast<int64_t>(job.tiles_done());
+  facts.total = static_cast<int64_t>(job.tiles_total());
   facts.frames_done = job.frames_finished();
   facts.frames_total = job.frames_total();
   if (!HasEnded(job.state()) && job.workers() == 0) facts.note = "no worker is connected";

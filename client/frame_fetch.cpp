@@ -98,8 +98,8 @@ absl::StatusOr<FetchedFrame> FetchFrame(Connection& connection, const std::strin
     }
     if (connection.PauseAfter(backoff, status)) continue;
     // What came so far is worth keeping if the next attempt may go on from there.
-    const bool resumable = part->size() > 0 && !wrong_bytes &&
-                           (absl::IsUnavailable(status) || absl::IsCancelled(status));
+    const bool resumable =
+        part->size() > 0 && !wrong_bytes && (absl::IsUnavailable(status) || absl::IsCancelled(status));
     if (!resumable) part->Discard();
     return connection.Explain(status, what);
   }

@@ -36,8 +36,8 @@ absl::StatusOr<FrameRange> ParseFrameRange(absl::string_view text) {
     range.last = static_cast<int>(*last);
   }
   if (range.last < range.first) {
-    return absl::InvalidArgumentError(absl::StrCat("the last frame (", range.last,
-                                                   ") must not come before the first (", range.first, ")"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("the last frame (", range.last, ") must not come before the first (", range.first, ")"));
   }
   const int64_t most = JobLimits().max_frames;
   if (range.Count() > most) {

@@ -58,7 +58,8 @@ Interrupt::Guard::~Guard() {
 
 struct SignalInterrupt::Watcher {
   int read_end = -1, write_end = -1;
-  struct sigaction old_int {}, old_term{};
+  struct sigaction old_int {
+  }, old_term{};
   std::thread thread;
 };
 
@@ -67,7 +68,8 @@ SignalInterrupt::SignalInterrupt(Interrupt& interrupt) : watcher_(std::make_uniq
   int ends[2];
   SL_CHECK(pipe2(ends, O_CLOEXEC) == 0);
   watcher_->read_end = ends[0];
-  watcher_->write_end = signal_pipe = ends[1];
+  watcher_->write_end = ends[1];
+  signal_pipe = ends[1];
   watcher_->thread = std::thread([this, &interrupt] {
     char byte = 0;
     ssize_t got;

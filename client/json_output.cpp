@@ -59,9 +59,8 @@ Json ToJson(const v1::Job& job) {
     const v1::JobSpec& spec = job.spec();
     json["name"] = spec.name();
     json["scene"] = spec.scene().root_name();
-    json["frames"] = {{"first", spec.frames().first()},
-                      {"last", spec.frames().last()},
-                      {"step", spec.frames().step()}};
+    json["frames"] = {
+        {"first", spec.frames().first()}, {"last", spec.frames().last()}, {"step", spec.frames().step()}};
     json["width"] = spec.render().width();
     json["height"] = spec.render().height();
   }

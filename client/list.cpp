@@ -19,10 +19,11 @@ class ListCommand : public Command {
  public:
   void Declare(CLI::App& app) override {
     server_.Declare(app);
-    AddValue(app, "--limit", "N", "50", "Jobs to list at most, 1 to 1000000", [this](const std::string& text) {
-      SL_ASSIGN_OR_RETURN(limit_, ParseWhole(text, 1, kMaxListed));
-      return absl::OkStatus();
-    });
+    AddValue(app, "--limit", "N", "50", "Jobs to list at most, 1 to 1000000",
+             [this](const std::string& text) {
+               SL_ASSIGN_OR_RETURN(limit_, ParseWhole(text, 1, kMaxListed));
+               return absl::OkStatus();
+             });
     AddJsonOption(app, json_);
     AddExamples(app, {"shutterline list --server farm:7400", "shutterline list --limit 5 --json"});
   }
@@ -35,11 +36,10 @@ class ListCommand : public Command {
     v1::ListRequest request;
     bool more = true;
     while (more && static_cast<int64_t>(jobs.size()) < limit_) {
-      SL_ASSIGN_OR_RETURN(
-          const v1::ListResponse page,
-          connection->Repeat<v1::ListResponse>("list jobs", [&](auto* context, auto* reply) {
-            return connection->jobs().List(context, request, reply);
-          }));
+      SL_ASSIGN_OR_RETURN(const v1::ListResponse page,
+                          connection->Repeat<v1::ListResponse>("list jobs", [&](auto* context, auto* reply) {
+                            return connection->jobs().List(context, request, reply);
+                          }));
       for (const v1::Job& job : page.jobs()) {
         if (static_cast<int64_t>(jobs.size()) < limit_) jobs.push_back(job);
       }

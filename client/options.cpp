@@ -7,6 +7,7 @@
 
 #include "client/frame_range.h"
 #include "client/parse.h"
+#include "common/base/ids.h"
 #include "common/base/status_macros.h"
 
 namespace shutterline::client {
@@ -42,32 +43,28 @@ absl::Status StoreName(const std::string& text, std::string& target, absl::strin
 void AddTimeOptions(CLI::App& app, JobOptions& o) {
   auto* frame = AddValue(app, "--frame", "N", "1", "The frame to render; its time is N / fps seconds",
                          [&](const std::string& t) { return Store(ParseFrame(t), o.frames); });
-  auto* frames = AddValue(app, "--frames", "A-B[xS]", "",
-                          "The frames A to B, every S-th of them, as in 1-48 or 1-48x2",
-                          [&](const std::string& t) { return Store(ParseFrameRange(t), o.frames); });
-  auto* fps = AddValue(app, "--fps", "FRAMES/S", "24", "Frames a second of animation, above 0",
-                       [&](const std::string& t) {
-                         return Store(ParseReal(t, 1e-6, 1e6, "a number from 0.000001 to 1000000"),
-                                      o.settings.fps);
-                       });
+  auto* frames =
+      AddValue(app, "--frames", "A-B[xS]", "", "The frames A to B, every S-th of them, as in 1-48 or 1-48x2",
+               [&](const std::string& t) { return Store(ParseFrameRange(t), o.frames); });
+  auto* fps = AddValue(
+      app, "--fps", "FRAMES/S", "24", "Frames a second of animation, above 0", [&](const std::string& t) {
+        return Store(ParseReal(t, 1e-6, 1e6, "a number from 0.000001 to 1000000"), o.settings.fps);
+      });
   auto* open = AddValue(app, "--shutter-open", "FRAMES", "0",
-                        "When the shutter opens, in frames relative to the frame",
-                        [&](const std::string& t) {
+                        "When the shutter opens, in frames relative to the frame", [&](const std::string& t) {
                           return Store(ParseReal(t, -kMaxShutterFrames, kMaxShutterFrames,
                                                  "a number of frames from -1000000 to 1000000"),
                                        o.settings.shutter_open);
                         });
   auto* close = AddValue(app, "--shutter-close", "FRAMES", "0.5",
-                         "When it closes; equal to --shutter-open: a still",
-                         [&](const std::string& t) {
+                         "When it closes; equal to --shutter-open: a still", [&](const std::string& t) {
                            o.shutter_close_given = true;
                            return Store(ParseReal(t, -kMaxShutterFrames, kMaxShutterFrames,
                                                   "a number of frames from -1000000 to 1000000"),
                                         o.settings.shutter_close);
                          });
   auto* animation = AddValue(app, "--animation", "NAME|INDEX|all|none", "the first",
-                             "Which of the file's animations moves the scene",
-                             [&](const std::string& t) {
+                             "Which of the file's animations moves the scene", [&](const std::string& t) {
                                return StoreName(t, o.settings.animation, "a name, an index, all or none");
                              });
   frame->excludes(frames);
@@ -77,29 +74,26 @@ void AddTimeOptions(CLI::App& app, JobOptions& o) {
 
 void AddPictureOptions(CLI::App& app, JobOptions& o) {
   auto* size =
-      AddValue(app, "--size", "WxH", "1024x768", absl::StrCat("Width and height, pixels, 1 to ", kMaxFrameSide),
-               [&](const std::string& t) {
+      AddValue(app, "--size", "WxH", "1024x768",
+               absl::StrCat("Width and height, pixels, 1 to ", kMaxFrameSide), [&](const std::string& t) {
                  SL_ASSIGN_OR_RETURN(const FrameSize parsed, ParseFrameSize(t));
                  o.settings.width = parsed.width;
                  o.settings.height = parsed.height;
                  return absl::OkStatus();
                });
-  auto* camera = AddValue(app, "--camera", "NAME|INDEX", "the first",
-                          "Which of the file's cameras; where a file has none,\nthe scene is framed",
-                          [&](const std::string& t) {
-                            return StoreName(t, o.settings.camera, "a camera's name or index");
-                          });
+  auto* camera = AddValue(
+      app, "--camera", "NAME|INDEX", "the first",
+      "Which of the file's cameras; where a file has none,\nthe scene is framed",
+      [&](const std::string& t) { return StoreName(t, o.settings.camera, "a camera's name or index"); });
   for (CLI::Option* option : {size, camera}) option->group("Picture");
 }
 
 void AddMethodOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* integrator =
-      AddValue(app, "--integrator", "line|reference", "line",
-               "line: analytic along line samples; reference: points in\npixel and time (ground truth)",
-               [&](const std::string& t) {
-                 return StoreWord(ParseIntegrator(t), s.integrator, "line or reference");
-               });
+  auto* integrator = AddValue(
+      app, "--integrator", "line|reference", "line",
+      "line: analytic along line samples; reference: points in\npixel and time (ground truth)",
+      [&](const std::string& t) { return StoreWord(ParseIntegrator(t), s.integrator, "line or reference"); });
   auto* pattern = AddValue(app, "--pattern", "1h1v|2h2v|4h4v|rgls", "rgls",
                            "Lines through each pixel: horizontal and vertical,\nor a rotated grid",
                            [&](const std::string& t) {
@@ -109,26 +103,23 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
       AddValue(app, "--resolver", "slice", "slice",
                "How visibility is resolved on a line: slice is exact along\nthe line at each instant",
                [&](const std::string& t) { return StoreWord(ParseResolver(t), s.resolver, "slice"); });
-  auto* time_step =
-      AddValue(app, "--time-step", "PIXELS", "1",
-               "Motion between two instants of a line; smaller is slower\nand more exact",
+  auto* time_step = AddValue(
+      app, "--time-step", "PIXELS", "1",
+      "Motion between two instants of a line; smaller is slower\nand more exact", [&](const std::string& t) {
+        return Store(ParseReal(t, 1e-3, 1e6, "a number of pixels from 0.001 to 1000000"), s.time_step);
+      });
+  auto* time_samples =
+      AddValue(app, "--time-samples", "N", "by --time-step",
+               absl::StrCat("Exactly N instants on a line where something moves,\n1 to ", kMaxTimeSamples),
                [&](const std::string& t) {
-                 return Store(ParseReal(t, 1e-3, 1e6, "a number of pixels from 0.001 to 1000000"), s.time_step);
+                 int count = 0;
+                 SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxTimeSamples), count));
+                 s.time_samples = count;
+                 return absl::OkStatus();
                });
-  auto* time_samples = AddValue(app, "--time-samples", "N", "by --time-step",
-                                absl::StrCat("Exactly N instants on a line where something moves,\n1 to ",
-                                             kMaxTimeSamples),
-                                [&](const std::string& t) {
-                                  int count = 0;
-                                  SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxTimeSamples), count));
-                                  s.time_samples = count;
-                                  return absl::OkStatus();
-                                });
-  auto* spp =
-      AddValue(app, "--spp", "N", "64", absl::StrCat("reference: points a pixel, 1 to ", kMaxSpp),
-               [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
-  auto* seed = AddValue(app, "--seed", "N", "0",
-                        "reference: pictures of different seeds are independent",
+  auto* spp = AddValue(app, "--spp", "N", "64", absl::StrCat("reference: points a pixel, 1 to ", kMaxSpp),
+                       [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
+  auto* seed = AddValue(app, "--seed", "N", "0", "reference: pictures of different seeds are independent",
                         [&](const std::string& t) { return Store(ParseUnsigned(t), s.seed); });
   time_step->excludes(time_samples);
   time_samples->excludes(time_step);
@@ -140,12 +131,11 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
 void AddFileOptions(CLI::App& app, JobOptions& o) {
   auto* half = app.add_flag("--half", o.half_given, "16-bit floats in the EXR (the default)");
   auto* full = app.add_flag("--float", o.float_given, "32-bit floats in the EXR");
-  auto* compression =
-      AddValue(app, "--compression", "none|zip|piz|dwaa", "zip",
-               "The EXR's compression; dwaa alone loses precision", [&](const std::string& t) {
-                 return StoreWord(ParseExrCompression(t), o.output_settings.compression,
-                                  "none, zip, piz or dwaa");
-               });
+  auto* compression = AddValue(
+      app, "--compression", "none|zip|piz|dwaa", "zip", "The EXR's compression; dwaa alone loses precision",
+      [&](const std::string& t) {
+        return StoreWord(ParseExrCompression(t), o.output_settings.compression, "none, zip, piz or dwaa");
+      });
   auto* png = app.add_flag("--png", o.png, "Also write an 8-bit sRGB preview, x.png beside x.exr");
   half->excludes(full);
   full->excludes(half);
@@ -154,16 +144,20 @@ void AddFileOptions(CLI::App& app, JobOptions& o) {
 
 }  // namespace
 
-void AddJobOptions(CLI::App& app, JobOptions& options) {
+void AddSceneArgument(CLI::App& app, std::string& scene) {
   AddValue(app, "SCENE", "", "", "The scene: a glTF 2.0 file, .gltf or .glb",
-           [&options](const std::string& text) {
+           [&scene](const std::string& text) {
              if (text.empty() || text.find('\0') != std::string::npos) {
                return absl::InvalidArgumentError("must be the path of a file");
              }
-             options.scene = text;
+             scene = text;
              return absl::OkStatus();
            })
       ->required();
+}
+
+void AddJobOptions(CLI::App& app, JobOptions& options) {
+  AddSceneArgument(app, options.scene);
   AddOutputOption(app, options.output,
                   "Where frames go; #### stands for the frame's number.\nWithout #s, several frames are "
                   "numbered before .exr");
@@ -176,9 +170,9 @@ void AddJobOptions(CLI::App& app, JobOptions& options) {
 absl::Status CheckJobOptions(JobOptions& options) {
   RenderSettings& s = options.settings;
   if (s.shutter_close < s.shutter_open) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--shutter-close ", s.shutter_close, options.shutter_close_given ? "" : " (the default)",
-        ": must not be less than --shutter-open ", s.shutter_open));
+    return absl::InvalidArgumentError(
+        absl::StrCat("--shutter-close ", s.shutter_close, options.shutter_close_given ? "" : " (the default)",
+                     ": must not be less than --shutter-open ", s.shutter_open));
   }
   options.output_settings.pixel_type = options.float_given ? PixelType::kFloat : PixelType::kHalf;
   return Validate(s);
@@ -200,11 +194,15 @@ void AddQuietOption(CLI::App& app, bool& quiet) {
   app.add_flag("-q,--quiet", quiet, "No progress, errors alone");
 }
 
+ProgressStyle ChooseStyle(const Console& console, bool quiet) {
+  if (quiet) return ProgressStyle::kQuiet;
+  return console.err_is_terminal ? ProgressStyle::kBar : ProgressStyle::kLines;
+}
+
 void AddJobArgument(CLI::App& app, std::string& job) {
   AddValue(app, "JOB", "", "", "The job's id, as submit and list print it", [&job](const std::string& text) {
-    if (text.empty() || text.size() > 64 ||
-        text.find_first_not_of("0123456789abcdefABCDEF-") != std::string::npos) {
-      return absl::InvalidArgumentError("must be a job's id, as 'shutterline list' prints it");
+    if (!IsUuid(text)) {
+      return absl::InvalidArgumentError("must be a job's whole id, as 'shutterline list' prints it");
     }
     job = text;
     return absl::OkStatus();

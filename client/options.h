@@ -7,6 +7,7 @@
 
 #include "client/command_line.h"
 #include "client/output_path.h"
+#include "client/progress.h"
 #include "common/job/job_spec.h"
 #include "common/job/render_settings.h"
 
@@ -25,6 +26,9 @@ struct JobOptions {
   bool half_given = false, float_given = false;
 };
 
+/// The positional SCENE: the path of a .gltf or .glb file.
+void AddSceneArgument(CLI::App& app, std::string& scene);
+
 /// Declares the options that `render` and `submit` share. Defaults are those of RenderSettings.
 void AddJobOptions(CLI::App& app, JobOptions& options);
 /// What only the options together can break: INVALID_ARGUMENT naming the options.
@@ -36,6 +40,9 @@ void AddOutputOption(CLI::App& app, std::optional<OutputPath>& output, const std
 /// --json and --quiet, where a command has them.
 void AddJsonOption(CLI::App& app, bool& json);
 void AddQuietOption(CLI::App& app, bool& quiet);
+
+/// A bar where errors go to a terminal, lines where they do not.
+ProgressStyle ChooseStyle(const Console& console, bool quiet);
 
 /// The positional JOB: a UUID as `submit` prints it.
 void AddJobArgument(CLI::App& app, std::string& job);

@@ -68,8 +68,8 @@ std::string DefaultOutput(absl::string_view scene_path) {
   for (char& c : stem) {
     if (c == '#') c = '_';
   }
-  if (stem.empty() || stem.front() == '-') stem.insert(0, "_");
-  return absl::StrCat(stem, kExtension);
+  const bool plain = !stem.empty() && stem.front() != '-';
+  return absl::StrCat(plain ? "" : "_", stem, kExtension);
 }
 
 }  // namespace shutterline::client

@@ -37,8 +37,7 @@ absl::Status SyncFolder(const std::string& path) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& target,
-                                                         absl::string_view tag) {
+absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& target, absl::string_view tag) {
   const std::string folder = FolderOf(target);
   const std::string part = absl::StrCat(folder, ".", target.substr(folder.size()), ".", tag, ".part");
   while (true) {
@@ -49,7 +48,8 @@ absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& targ
       return absl::UnavailableError(absl::StrCat("write ", target, ": another process is writing ", part));
     }
     // Whoever held the lock before may have renamed or removed what we opened.
-    struct stat ours {}, named{};
+    struct stat ours {
+    }, named{};
     if (fstat(file, &ours) != 0 || stat(part.c_str(), &named) != 0 || ours.st_ino != named.st_ino ||
         ours.st_dev != named.st_dev) {
       continue;
@@ -63,8 +63,7 @@ PartFile::PartFile(std::string target, std::string part, int file)
     : target_(std::move(target)),
       part_(std::move(part)),
       file_(file),
-      hash_(std::make_unique<Sha256Stream>()) {
-}
+      hash_(std::make_unique<Sha256Stream>()) {}
 
 PartFile::~PartFile() {
   if (file_ >= 0) close(file_);

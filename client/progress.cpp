@@ -15,12 +15,12 @@ constexpr absl::Duration kRedrawEvery = absl::Milliseconds(100);
 constexpr absl::Duration kLineEvery = absl::Seconds(1);
 
 double Fraction(const ProgressFacts& facts) {
-  if (facts.tiles_total <= 0) return 0;
-  return std::clamp(double(facts.tiles_done) / double(facts.tiles_total), 0.0, 1.0);
+  if (facts.total <= 0) return 0;
+  return std::clamp(double(facts.done) / double(facts.total), 0.0, 1.0);
 }
 
 bool Complete(const ProgressFacts& facts) {
-  return facts.tiles_total > 0 && facts.tiles_done >= facts.tiles_total;
+  return facts.total > 0 && facts.done >= facts.total;
 }
 
 /// Floor, so that 100 % is said only when everything is done.
@@ -29,7 +29,7 @@ int Percent(const ProgressFacts& facts) {
 }
 
 std::string Counts(const ProgressFacts& facts) {
-  std::string text = absl::StrCat(facts.tiles_done, "/", facts.tiles_total, " tiles");
+  std::string text = absl::StrCat(facts.done, "/", facts.total, " ", facts.unit);
   if (facts.frames_total > 1) {
     absl::StrAppend(&text, ", ", facts.frames_done, "/", facts.frames_total, " frames");
   }
@@ -39,8 +39,7 @@ std::string Counts(const ProgressFacts& facts) {
 }  // namespace
 
 Progress::Progress(ProgressStyle style, std::ostream& out, const Clock& clock)
-    : style_(style), out_(out), clock_(clock), start_(clock.Monotonic()) {
-}
+    : style_(style), out_(out), clock_(clock), start_(clock.Monotonic()) {}
 
 Progress::~Progress() {
   if (bar_drawn_) out_ << "\n" << std::flush;
@@ -48,8 +47,8 @@ Progress::~Progress() {
 
 std::string Progress::BarText(const ProgressFacts& facts, absl::Duration elapsed) const {
   const int full = int(Fraction(facts) * kBarCells);
-  std::string text = absl::StrCat("[", std::string(size_t(full), '#'),
-                                  std::string(size_t(kBarCells - full), '.'), "] ");
+  std::string text =
+      absl::StrCat("[", std::string(size_t(full), '#'), std::string(size_t(kBarCells - full), '.'), "] ");
   absl::StrAppendFormat(&text, "%3d%% ", Percent(facts));
   absl::StrAppend(&text, facts.state, " ", Counts(facts), " ", ShortDuration(elapsed));
   // Until a twentieth is done, a guess of what remains would jump about.
@@ -61,8 +60,8 @@ std::string Progress::BarText(const ProgressFacts& facts, absl::Duration elapsed
 }
 
 std::string Progress::LineText(const ProgressFacts& facts, absl::Duration elapsed) const {
-  std::string text = absl::StrCat(facts.state, ": ", Percent(facts), "% ", Counts(facts), " after ",
-                                  ShortDuration(elapsed));
+  std::string text =
+      absl::StrCat(facts.state, ": ", Percent(facts), "% ", Counts(facts), " after ", ShortDuration(elapsed));
   if (!facts.note.empty()) absl::StrAppend(&text, " (", facts.note, ")");
   return text;
 }

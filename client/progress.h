@@ -19,8 +19,9 @@ enum class ProgressStyle {
 
 /// What a job has got done; what `Progress` draws.
 struct ProgressFacts {
-  std::string state;  ///< "queued", "running", ...
-  int64_t tiles_done = 0, tiles_total = 0;
+  std::string state;           ///< "queued", "running", ...
+  std::string unit = "tiles";  ///< What is counted.
+  int64_t done = 0, total = 0;
   int64_t frames_done = 0, frames_total = 0;
   std::string note;  ///< "no worker is connected", or empty.
 };

@@ -13,8 +13,7 @@ Backoff::Backoff(const RetryPolicy& policy, Interrupt* interrupt, const Clock& c
       interrupt_(interrupt),
       clock_(clock),
       sleep_(std::move(sleep)),
-      pause_(policy.first_pause) {
-}
+      pause_(policy.first_pause) {}
 
 bool Backoff::PauseAfter(const absl::Status& status) {
   if (!absl::IsUnavailable(status)) return false;

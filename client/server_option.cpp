@@ -25,11 +25,9 @@ absl::Status CheckHostPort(absl::string_view text) {
     });
     return address ? absl::OkStatus() : refused;
   }
-  const bool name = !host.empty() && host.size() <= 253 &&
-                    std::all_of(host.begin(), host.end(), [](char c) {
-                      return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ||
-                             c == '_';
-                    });
+  const bool name = !host.empty() && host.size() <= 253 && std::all_of(host.begin(), host.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' || c == '_';
+  });
   return name ? absl::OkStatus() : refused;
 }
 

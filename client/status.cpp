@@ -52,7 +52,8 @@ class StatusCommand : public Command {
     PrintRow(out, "job", job.id());
     PrintRow(out, "name", spec.name());
     PrintRow(out, "scene", spec.scene().root_name());
-    PrintRow(out, "state", facts.note.empty() ? facts.state : absl::StrCat(facts.state, " (", facts.note, ")"));
+    PrintRow(out, "state",
+             facts.note.empty() ? facts.state : absl::StrCat(facts.state, " (", facts.note, ")"));
     PrintRow(out, "error", job.error());
     PrintRow(out, "frames", absl::StrCat(job.frames_finished(), " of ", job.frames_total(), " finished"));
     PrintRow(out, "tiles", absl::StrCat(job.tiles_done(), " of ", job.tiles_total(), " done"));
@@ -61,8 +62,8 @@ class StatusCommand : public Command {
     PrintRow(out, "ended", TimeText(job.ended()));
     PrintRow(out, "workers", HasEnded(job.state()) ? "" : absl::StrCat(job.workers(), " connected"));
     if (job.mismatched_tiles() > 0) {
-      PrintRow(out, "warning", absl::StrCat(job.mismatched_tiles(),
-                                            " tiles were rendered twice with different pixels"));
+      PrintRow(out, "warning",
+               absl::StrCat(job.mismatched_tiles(), " tiles were rendered twice with different pixels"));
     }
   }
 

@@ -94,8 +94,8 @@ absl::Status UploadBlob(Connection& connection, const std::string& name, const D
     // All three mean "ask again where we are": the stream broke off without an error, somebody else
     // writes this very file, or the size moved between the question and the answer.
     if (written.ok() || absl::IsAborted(status) || absl::IsOutOfRange(status)) {
-      status = absl::UnavailableError(
-          written.ok() ? "the file is not complete after all was sent" : std::string(status.message()));
+      status = absl::UnavailableError(written.ok() ? "the file is not complete after all was sent"
+                                                   : std::string(status.message()));
     }
     if (!connection.PauseAfter(backoff, status)) return connection.Explain(status, what);
   }
@@ -103,7 +103,7 @@ absl::Status UploadBlob(Connection& connection, const std::string& name, const D
 
 }  // namespace
 
-absl::StatusOr<UploadReport> Upload(Connection& connection, const SceneFolder& folder,
+absl::StatusOr<UploadReport> Upload(Connection& connection, const engine::AssetSource& source,
                                     const SceneManifest& manifest, const UploadProgress& progress) {
   UploadReport report;
   report.files = static_cast<int64_t>(manifest.files.size());
@@ -118,7 +118,7 @@ absl::StatusOr<UploadReport> Upload(Connection& connection, const SceneFolder& f
     total += file.size;
   }
   for (const SceneFile* file : to_send) {
-    SL_ASSIGN_OR_RETURN(const std::string bytes, folder.Read(file->name, file->size));
+    SL_ASSIGN_OR_RETURN(const std::string bytes, source.Read(file->name, file->size));
     if (bytes.size() != file->size || Sha256(bytes) != file->digest) {
       return absl::AbortedError(absl::StrCat("upload ", file->name, ": the file changed meanwhile"));
     }
@@ -132,12 +132,12 @@ absl::StatusOr<UploadReport> Upload(Connection& connection, const SceneFolder& f
 }
 
 std::string Describe(const UploadReport& report) {
-  std::string text = absl::StrCat(report.files, report.files == 1 ? " file, " : " files, ",
-                                  HumanBytes(report.bytes));
+  std::string text =
+      absl::StrCat(report.files, report.files == 1 ? " file, " : " files, ", HumanBytes(report.bytes));
   if (report.files_uploaded == 0) return absl::StrCat(text, ", unchanged: 0 bytes uploaded");
   if (report.bytes_uploaded == report.bytes) return absl::StrCat(text, ": all uploaded");
-  return absl::StrCat(text, ": ", HumanBytes(report.bytes_uploaded), " uploaded in ",
-                      report.files_uploaded, report.files_uploaded == 1 ? " file" : " files");
+  return absl::StrCat(text, ": ", HumanBytes(report.bytes_uploaded), " uploaded in ", report.files_uploaded,
+                      report.files_uploaded == 1 ? " file" : " files");
 }
 
 }  // namespace shutterline::client

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "client/connection.h"
-#include "client/scene_folder.h"
 #include "common/job/job_spec.h"
+#include "worker/engine/scene/asset_source.h"
 
 namespace shutterline::client {
 
@@ -24,7 +24,7 @@ using UploadProgress = std::function<void(uint64_t sent, uint64_t total)>;
 /// Sends those files of `manifest` that the coordinator lacks, each from where an earlier attempt broke
 /// off. A dropped connection is resumed for as long as the connection's retry policy says. Files are read
 /// again and must not have changed since the manifest was made (ABORTED).
-absl::StatusOr<UploadReport> Upload(Connection& connection, const SceneFolder& folder,
+absl::StatusOr<UploadReport> Upload(Connection& connection, const engine::AssetSource& source,
                                     const SceneManifest& manifest, const UploadProgress& progress = nullptr);
 
 /// "3 files, 12.5 MB: all uploaded", "..., unchanged: 0 bytes uploaded": for people.

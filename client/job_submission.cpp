@@ -1,0 +1,64 @@
+#include "client/job_submission.h"
+
+#include <absl/strings/str_cat.h>
+
+#include "client/human.h"
+#include "client/scene_manifest.h"
+#include "common/base/ids.h"
+#include "common/base/status_macros.h"
+#include "proto/convert/job_spec.h"
+#include "worker/engine/scene/directory_asset_source.h"
+
+namespace shutterline::client {
+namespace {
+
+absl::StatusOr<std::unique_ptr<engine::DirectoryAssetSource>> OpenScene(const std::string& path) {
+  auto source = engine::DirectoryAssetSource::Open(path);
+  if (!source.ok()) return Annotate(source.status(), absl::StrCat("load scene ", path));
+  return source;
+}
+
+}  // namespace
+
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, Progress& progress) {
+  SL_ASSIGN_OR_RETURN(const v1::Capabilities capabilities, Greet(connection));
+  SL_ASSIGN_OR_RETURN(const auto source, OpenScene(options.scene));
+  JobSpec spec;
+  SL_ASSIGN_OR_RETURN(spec.scene, BuildManifest(*source, capabilities.max_blob_bytes()));
+  spec.name = source->RootName();
+  spec.frames = options.frames;
+  spec.render = options.settings;
+  spec.output = options.output_settings;
+  // What the coordinator would refuse is refused before its files travel.
+  JobLimits limits;
+  limits.max_frames = capabilities.max_frames();
+  limits.max_tiles = static_cast<int64_t>(capabilities.max_tiles());
+  limits.max_manifest_files = capabilities.max_manifest_files();
+  limits.max_name_bytes = capabilities.max_name_bytes();
+  SL_RETURN_IF_ERROR(Validate(spec, limits));
+
+  Submission submission;
+  SL_ASSIGN_OR_RETURN(submission.upload,
+                      Upload(connection, *source, spec.scene, [&](uint64_t sent, uint64_t total) {
+                        ProgressFacts facts;
+                        facts.state = "uploading";
+                        facts.unit = "kB";
+                        facts.done = static_cast<int64_t>(sent / 1000);
+                        facts.total = static_cast<int64_t>(total / 1000);
+                        progress.Update(facts);
+                      }));
+  progress.Note(absl::StrCat(Printable(spec.name), ": ", Describe(submission.upload)));
+
+  v1::SubmitRequest request;
+  request.set_request_id(MakeUuid());  // One for all repetitions: the job is made once.
+  *request.mutable_spec() = convert::ToProto(spec);
+  SL_ASSIGN_OR_RETURN(submission.job, connection.Repeat<v1::Job>(
+                                          "submit the job",
+                                          [&](auto* context, auto* reply) {
+                                            return connection.jobs().Submit(context, request, reply);
+                                          },
+                                          kSubmitDeadline));
+  return submission;
+}
+
+}  // namespace shutterline::client

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "client/connection.h"
+#include "client/options.h"
+#include "client/progress.h"
+#include "client/upload.h"
+
+namespace shutterline::client {
+
+struct Submission {
+  v1::Job job;
+  UploadReport upload;
+};
+
+/// Reads the scene's files, uploads those that the coordinator lacks and submits the job: what `render`
+/// and `submit` have in common. Once this returns OK, the job is on the coordinator's disk.
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, Progress& progress);
+
+}  // namespace shutterline::client
