@@ -60,10 +60,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, const std::vector<
     // CLI11 takes them from the end.
     app->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
-    const auto chosen = app->get_subcommands();
-    console.out << (chosen.empty()
-                        ? app->help()
-                        : chosen.front()->help(absl::StrCat("shutterline ", chosen.front()->get_name())));
+    console.out << app->help();  // Of the command that was named, if one was.
     return static_cast<int>(ExitCode::kSuccess);
   } catch (const CLI::CallForVersion& version) {
     console.out << version.what() << "\n";

@@ -76,7 +76,7 @@ absl::StatusOr<FetchedFrame> FetchFrame(Connection& connection, const std::strin
                                         const std::string& path, bool png) {
   const std::string what = absl::StrCat("fetch frame ", frame);
   SL_ASSIGN_OR_RETURN(const std::unique_ptr<PartFile> part,
-                      PartFile::Open(path, absl::StrCat(job_id, "-", frame)));
+                      PartFile::Open(path, FramePartTag(job_id, frame)));
   bool inherited = part->size() > 0;
   std::optional<FileFacts> facts;
   Backoff backoff(connection.options().retry, connection.options().interrupt);

@@ -26,6 +26,11 @@ std::string FolderOf(const std::string& path) {
   return slash == std::string::npos ? "" : path.substr(0, slash + 1);
 }
 
+std::string PartOf(const std::string& target, absl::string_view tag) {
+  const std::string folder = FolderOf(target);
+  return absl::StrCat(folder, ".", target.substr(folder.size()), ".", tag, ".part");
+}
+
 absl::Status SyncFolder(const std::string& path) {
   const std::string folder = FolderOf(path);
   const int handle = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -38,8 +43,7 @@ absl::Status SyncFolder(const std::string& path) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<PartFile>> PartFile::Open(const std::string& target, absl::string_view tag) {
-  const std::string folder = FolderOf(target);
-  const std::string part = absl::StrCat(folder, ".", target.substr(folder.size()), ".", tag, ".part");
+  const std::string part = PartOf(target, tag);
   while (true) {
     const int file = open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0) return absl::ErrnoToStatus(errno, absl::StrCat("write ", target, ": make ", part));
@@ -118,6 +122,14 @@ absl::Status PartFile::Commit(const Digest& digest) {
 
 void PartFile::Discard() {
   unlink(part_.c_str());
+}
+
+void PartFile::Remove(const std::string& target, absl::string_view tag) {
+  unlink(PartOf(target, tag).c_str());
+}
+
+std::string FramePartTag(absl::string_view job_id, int frame) {
+  return absl::StrCat(job_id, "-", frame);
 }
 
 }  // namespace shutterline::client

@@ -34,6 +34,8 @@ class PartFile {
   absl::Status Commit(const Digest& digest);
   /// Removes the part.
   void Discard();
+  /// Removes what an earlier object left of this part, if anything.
+  static void Remove(const std::string& target, absl::string_view tag);
 
  private:
   PartFile(std::string target, std::string part, int file);
@@ -44,5 +46,8 @@ class PartFile {
   uint64_t size_ = 0;
   std::unique_ptr<Sha256Stream> hash_;
 };
+
+/// The tag of a job's frame.
+std::string FramePartTag(absl::string_view job_id, int frame);
 
 }  // namespace shutterline::client

@@ -17,28 +17,35 @@ namespace shutterline::client {
 namespace {
 
 constexpr size_t kChunkBytes = 64 << 10;
+constexpr int kDigestsPerCall = 1000;
 
-/// The digests of `manifest` that the coordinator lacks.
-absl::StatusOr<std::set<Digest>> FindMissing(Connection& connection, const SceneManifest& manifest) {
-  v1::DigestList request;
-  std::set<Digest> named;
-  for (const SceneFile& file : manifest.files) {
-    if (named.insert(file.digest).second) *request.add_digests() = convert::ToProto(file.digest);
-  }
+/// Those of `request` that the coordinator lacks.
+absl::Status AskForMissing(Connection& connection, const v1::DigestList& request, std::set<Digest>& missing) {
   SL_ASSIGN_OR_RETURN(
       const v1::DigestList reply,
-      connection.Repeat<v1::DigestList>("ask for missing files", [&](auto* context, auto* missing) {
-        return connection.blobs().FindMissing(context, request, missing);
+      connection.Repeat<v1::DigestList>("ask for missing files", [&](auto* context, auto* list) {
+        return connection.blobs().FindMissing(context, request, list);
       }));
-  std::set<Digest> missing;
   for (const v1::Digest& message : reply.digests()) {
     SL_ASSIGN_OR_RETURN(const Digest digest, convert::FromProto(message, "digests"));
-    if (!named.contains(digest)) {
-      return absl::InternalError(
-          absl::StrCat(connection.peer(), " misses a file that was not named: ", digest.ToHex()));
-    }
     missing.insert(digest);
   }
+  return absl::OkStatus();
+}
+
+/// The digests of `manifest` that the coordinator lacks. What it names besides is passed over by the
+/// caller, who sends the manifest's files alone.
+absl::StatusOr<std::set<Digest>> FindMissing(Connection& connection, const SceneManifest& manifest) {
+  std::set<Digest> named, missing;
+  v1::DigestList request;
+  for (const SceneFile& file : manifest.files) {
+    if (!named.insert(file.digest).second) continue;
+    *request.add_digests() = convert::ToProto(file.digest);
+    if (request.digests_size() < kDigestsPerCall) continue;
+    SL_RETURN_IF_ERROR(AskForMissing(connection, request, missing));
+    request.Clear();
+  }
+  if (request.digests_size() > 0) SL_RETURN_IF_ERROR(AskForMissing(connection, request, missing));
   return missing;
 }
 
