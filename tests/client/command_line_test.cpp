@@ -204,12 +204,12 @@ TEST(Program, HelpMentionsEveryOptionAndTeachesByExamplesThatParse) {
 TEST(Program, HelpNamesDefaultsAsTheyAre) {
   const RenderSettings s;
   const std::string help = RunProgram({"submit", "--help"}).out;
-  for (const std::string& text :
-       {"FRAMES/S [" + std::to_string(int(s.fps)) + "]",
-        "WxH [" + std::to_string(s.width) + "x" + std::to_string(s.height) + "]",
-        "[" + std::string(ToString(s.pattern)) + "]", "[" + std::string(ToString(s.resolver)) + "]",
-        "[" + std::string(ToString(s.integrator)) + "]", "N [" + std::to_string(s.spp) + "]", "FRAMES [0.5]",
-        "FRAMES [0]", "PIXELS [1]", "[zip]"}) {
+  const std::string size = std::to_string(s.width) + "x" + std::to_string(s.height);
+  for (const std::string& text : std::vector<std::string>{
+           "FRAMES/S [" + std::to_string(int(s.fps)) + "]", "WxH [" + size + "]",
+           "[" + std::string(ToString(s.pattern)) + "]", "[" + std::string(ToString(s.resolver)) + "]",
+           "[" + std::string(ToString(s.integrator)) + "]", "N [" + std::to_string(s.spp) + "]",
+           "FRAMES [0.5]", "FRAMES [0]", "PIXELS [1]", "[zip]"}) {
     EXPECT_NE(help.find(text), std::string::npos) << text << "\n" << help;
   }
   EXPECT_EQ(s.shutter_close, 0.5);

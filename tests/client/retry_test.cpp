@@ -32,7 +32,9 @@ TEST(Backoff, PausesGrowToTheirLimitAndPatienceEnds) {
     const absl::Duration nominal =
         std::min(policy.first_pause * (int64_t{1} << std::min<size_t>(i, 20)), policy.longest_pause);
     EXPECT_LE(pauses[i], nominal * 1.2) << i;
-    if (i + 1 < pauses.size()) EXPECT_GE(pauses[i], nominal * 0.8) << i;
+    if (i + 1 < pauses.size()) {
+      EXPECT_GE(pauses[i], nominal * 0.8) << i;
+    }
     sum += pauses[i];
   }
   EXPECT_EQ(sum, policy.patience) << "the last pause ends with patience, not after it";
