@@ -121,6 +121,18 @@ TEST(GltfMaterial, HoldsImagesAgainstLimitsBeforeTheyAreDecoded) {
   EXPECT_TRUE(ImportBytes(file.Glb(), limits).ok());
 }
 
+TEST(GltfMaterial, RefusesJpegTablesOfTooManyCodes) {
+  // A JPEG that begins with a segment of metadata, which may hold what looks like a table, and one table
+  // of 16 × `codes` codes.
+  const auto jpeg = [](char codes) {
+    std::string bytes("\xFF\xD8\xFF\xE1\x00\x06\xFF\xC4\xFF\xFF\xFF\xC4\x01\x13\x00", 15);
+    return bytes + std::string(16, codes) + std::string(256, '\1');
+  };
+  EXPECT_THAT(MustFail(Textured(jpeg(17))).message(),
+              HasSubstr("image 0 (wood): its Huffman table at byte 14 has 272"));
+  EXPECT_THAT(MustFail(Textured(jpeg(16))).message(), HasSubstr("header cannot be read"));
+}
+
 TEST(GltfMaterial, RefusesAHeaderThatPromisesMoreThanItsBytesCanHold) {
   std::string png = Png(1, 1, {1, 2, 3, 4});
   png[16 + 2] = 0x40;  // Width and height, big-endian, become 16,384.

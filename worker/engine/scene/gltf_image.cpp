@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "common/base/status_macros.h"
+#include "worker/engine/scene/gltf_jpeg_check.h"
 
 namespace {
 
@@ -117,6 +118,7 @@ absl::StatusOr<TextureImage> DecodeGltfImage(absl::string_view bytes, uint32_t m
   if (!png && !absl::StartsWith(bytes, "\xFF\xD8\xFF")) {
     return absl::InvalidArgumentError("it is neither PNG nor JPEG data");
   }
+  if (!png) SL_RETURN_IF_ERROR(CheckJpegHuffmanTables(bytes));
   if (bytes.size() > INT_MAX) return absl::ResourceExhaustedError("it has more than 2^31 - 1 bytes");
   const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
   const int size = int(bytes.size());
