@@ -4,6 +4,7 @@ namespace shutterline::client {
 
 const std::vector<CommandEntry>& CommandTable() {
   static const auto* const table = new std::vector<CommandEntry>{
+      {"render", "On this machine", "Render a scene here, without a server", MakeRenderCommand},
       {"info", "On this machine", "Tell what a scene contains", MakeInfoCommand},
       {"compare", "On this machine", "Measure how two pictures differ", MakeCompareCommand},
       {"submit", "On a farm", "Give a scene to a server to render", MakeSubmitCommand},
