@@ -65,7 +65,7 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
       ->required()
       ->check(CLI::Validator(CheckHostPort, "", "host:port"));
   app.add_option("--threads", config.worker.threads, "Threads that render (0: one for each processor)")
-      ->check(CLI::Range(0, 1024))
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   app.add_option("--cache-dir", cache_dir, "Folder for scene files, may be shared by workers of a machine")
       ->type_name("DIR")

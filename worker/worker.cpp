@@ -28,7 +28,7 @@ namespace shutterline::worker {
 namespace {
 
 /// More threads than any machine has are a slip of the keyboard.
-constexpr int kMaxThreads = 1024;
+constexpr int kMaxThreads = 4096;
 
 std::string DefaultName() {
   char host[256] = "";
