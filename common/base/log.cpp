@@ -2,6 +2,7 @@
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_replace.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -33,7 +34,7 @@ std::string LogValue(absl::string_view value) {
     return c > 0x20 && c < 0x7f && c != '"' && c != '=' && c != '\\';
   });
   if (plain) return absl::StrCat(kept, tail);
-  return absl::StrCat("\"", absl::CHexEscape(kept), tail, "\"");
+  return absl::StrCat("\"", absl::StrReplaceAll(absl::CHexEscape(kept), {{"\\'", "'"}}), tail, "\"");
 }
 
 }  // namespace shutterline

@@ -69,7 +69,11 @@ absl::StatusOr<std::unique_ptr<SqliteJobStore>> SqliteJobStore::Open(const std::
   if (code != SQLITE_OK) return SqliteError(database, absl::StrCat("open ", path));
   // The exclusive lock is taken by the first write and kept.
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA locking_mode = EXCLUSIVE"));
-  SL_RETURN_IF_ERROR(Annotate(store->Execute("PRAGMA journal_mode = WAL"), path));
+  const absl::Status locked = store->Execute("PRAGMA journal_mode = WAL");
+  if (absl::IsFailedPrecondition(locked)) {
+    return absl::FailedPreconditionError(absl::StrCat(path, ": another coordinator uses it"));
+  }
+  SL_RETURN_IF_ERROR(Annotate(locked, path));
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA synchronous = FULL"));
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA foreign_keys = ON"));
   SL_RETURN_IF_ERROR(Annotate(store->Migrate(), path));

@@ -165,7 +165,12 @@ void JobQueue::PutBack(int frame, uint32_t tile, LeaseId lease) {
   const auto found = f->leased.find(tile);
   if (found == f->leased.end() || found->second != lease) return;
   f->leased.erase(found);
-  f->returned.push_back(tile);
+  // A tile that has made trouble comes first: its job's fate is known the sooner.
+  if (f->trouble.contains(tile)) {
+    f->returned.push_front(tile);
+  } else {
+    f->returned.push_back(tile);
+  }
   ++f->queued;
   ++queued_;
   hungry_.insert(frame);

@@ -1,5 +1,6 @@
 #include "server/schedule/tile_scheduler.h"
 
+#include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -115,7 +116,7 @@ TEST_F(TileSchedulerTest, SilentWorkerGetsNothing) {
 
 TEST_F(TileSchedulerTest, WorkersSpreadOverFramesStayThereAndJoinWhenFramesRunOut) {
   scheduler_.AddJob(1, 2, 4, 4);
-  for (WorkerId id = 1; id <= 3; ++id) scheduler_.AddWorker(id, std::to_string(id), 1);
+  for (WorkerId id = 1; id <= 3; ++id) scheduler_.AddWorker(id, absl::StrCat(id), 1);
   EXPECT_EQ(scheduler_.Grant(1)->frame, 0);
   EXPECT_EQ(scheduler_.Grant(2)->frame, 1);
   EXPECT_EQ(scheduler_.Grant(1)->frame, 0);
@@ -157,9 +158,11 @@ TEST_F(TileSchedulerTest, TileThatFailsThreeTimesPoisonsItsJobAndOthersDoNot) {
   for (int i = 1; i <= 3; ++i) {
     const std::optional<PoisonedTile> poison = scheduler_.Fail(1, 0, bad, 1, "no memory");
     EXPECT_EQ(poison.has_value(), i == 3);
-    if (poison) EXPECT_EQ(poison->reason, "no memory");
-    if (i < 3)
-      ASSERT_EQ(scheduler_.Grant(1)->tiles, std::vector<uint32_t>{bad});  // What came back comes first.
+    if (poison) {
+      EXPECT_EQ(poison->reason, "no memory");
+      break;
+    }
+    ASSERT_EQ(scheduler_.Grant(1)->tiles, std::vector<uint32_t>{bad});  // What came back comes first.
   }
 }
 
@@ -186,11 +189,13 @@ TEST_F(TileSchedulerTest, TileThatKillsFiveWorkersPoisonsItsJobAndIsLeasedAloneB
   uint32_t suspect = 0;
   for (int death = 1; death <= 5; ++death) {
     const WorkerId id = WorkerId(10 + death);
-    scheduler_.AddWorker(id, "w" + std::to_string(death), 1);
+    scheduler_.AddWorker(id, absl::StrCat("w", death), 1);
     const std::optional<Lease> lease = scheduler_.Grant(id);
     ASSERT_TRUE(lease.has_value());
     if (death == 1) suspect = lease->tiles[0];
-    if (death > 1) EXPECT_EQ(lease->tiles, std::vector<uint32_t>{suspect});
+    if (death > 1) {
+      EXPECT_EQ(lease->tiles, std::vector<uint32_t>{suspect});
+    }
     scheduler_.LoseWorker(id);
     clock_.Advance(absl::Seconds(1));
     poisoned = scheduler_.Expire().poisoned;
@@ -244,7 +249,7 @@ TEST(TileSchedulerPropertyTest, EachTileIsDoneExactlyOnceUnderRandomSchedules) {
     while (scheduler.Find(1)->remaining() > 0) {
       ASSERT_LT(++steps, 200'000) << "the job does not end";
       if (workers.empty() || below(40) == 0) {
-        scheduler.AddWorker(next, std::to_string(next), 1 + below(3));
+        scheduler.AddWorker(next, absl::StrCat(next), 1 + below(3));
         workers[next++];
       }
       auto worker = std::next(workers.begin(), below(int(workers.size())));

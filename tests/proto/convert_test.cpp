@@ -1,0 +1,163 @@
+#include <absl/strings/str_cat.h>
+#include <gmock/gmock.h>
+#include <google/protobuf/duration.pb.h>
+#include <grpcpp/support/status.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "proto/convert/job_spec.h"
+#include "proto/convert/status.h"
+
+namespace shutterline::convert {
+namespace {
+
+using testing::HasSubstr;
+
+JobSpec RandomSpec(std::mt19937& random) {
+  const auto below = [&](int n) { return int(random() % uint32_t(n)); };
+  JobSpec spec;
+  spec.name = absl::StrCat("job ", below(1000));
+  for (int i = 0; i <= below(4); ++i) {
+    spec.scene.files.push_back(
+        {absl::StrCat("dir/file", i, ".bin"), Sha256(absl::StrCat(random())), random()});
+  }
+  spec.scene.root_name = spec.scene.files[0].name;
+  spec.frames = {-below(10), below(10), 1 + below(3)};
+  RenderSettings& r = spec.render;
+  r.width = 1 + below(kMaxFrameSide);
+  r.height = 1 + below(1000);
+  r.fps = 1 + below(100) / 7.0;
+  r.shutter_open = -below(100) / 3.0;
+  r.shutter_close = below(100) / 3.0;
+  r.camera = absl::StrCat("kamera é", below(3));
+  r.animation = below(2) ? "all" : "";
+  r.integrator = below(2) ? IntegratorKind::kLine : IntegratorKind::kReference;
+  r.pattern = PatternKind(below(4));
+  r.time_step = 0.001 + below(1000) / 9.0;
+  if (below(2)) r.time_samples = 1 + below(kMaxTimeSamples);
+  r.spp = 1 + below(kMaxSpp);
+  r.seed = (uint64_t{random()} << 32) | random();
+  spec.output.pixel_type = PixelType(below(2));
+  spec.output.compression = ExrCompression(below(4));
+  return spec;
+}
+
+TEST(ConvertJobSpecTest, RoundTripThroughBytesKeepsEveryField) {
+  for (uint32_t seed = 1; seed <= 300; ++seed) {
+    std::mt19937 random(seed);
+    const JobSpec spec = RandomSpec(random);
+    v1::JobSpec message;
+    ASSERT_TRUE(message.ParseFromString(ToProto(spec).SerializeAsString()));
+    JobLimits limits;
+    limits.max_tiles = std::numeric_limits<int64_t>::max();
+    const absl::StatusOr<JobSpec> back = FromProto(message, limits);
+    ASSERT_TRUE(back.ok()) << "seed " << seed << ": " << back.status();
+    EXPECT_EQ(*back, spec) << "seed " << seed;
+  }
+}
+
+TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
+  std::mt19937 random(1);
+  JobSpec base = RandomSpec(random);
+  base.render.width = base.render.height = 64;
+  const v1::JobSpec good = ToProto(base);
+  ASSERT_TRUE(FromProto(good).ok());
+  const auto expect = [&](const char* field, const std::function<void(v1::JobSpec&)>& change) {
+    v1::JobSpec message = good;
+    change(message);
+    const absl::StatusOr<JobSpec> spec = FromProto(message);
+    EXPECT_TRUE(absl::IsInvalidArgument(spec.status())) << field << ": " << spec.status();
+    EXPECT_THAT(std::string(spec.status().message()), HasSubstr(field));
+  };
+  const double nan = std::nan("");
+  expect("render.integrator: is not specified",
+         [](v1::JobSpec& s) { s.mutable_render()->clear_integrator(); });
+  expect("render.resolver: value 9",
+         [](v1::JobSpec& s) { s.mutable_render()->set_resolver(v1::Resolver(9)); });
+  expect("render.pattern: value -1",
+         [](v1::JobSpec& s) { s.mutable_render()->set_pattern(v1::Pattern(-1)); });
+  expect("output.pixel_type", [](v1::JobSpec& s) { s.clear_output(); });
+  expect("output.compression: value 5",
+         [](v1::JobSpec& s) { s.mutable_output()->set_compression(v1::Compression(5)); });
+  expect("width", [](v1::JobSpec& s) { s.mutable_render()->set_width(kMaxFrameSide + 1); });
+  expect("fps", [&](v1::JobSpec& s) { s.mutable_render()->set_fps(nan); });
+  expect("shutter_close", [&](v1::JobSpec& s) { s.mutable_render()->set_shutter_close(nan); });
+  expect("time_samples", [](v1::JobSpec& s) { s.mutable_render()->set_time_samples(0); });
+  expect("spp", [](v1::JobSpec& s) { s.mutable_render()->set_spp(-1); });
+  expect("render.camera", [](v1::JobSpec& s) { s.mutable_render()->set_camera(std::string(1025, 'x')); });
+  expect("name", [](v1::JobSpec& s) { s.set_name(std::string(1025, 'x')); });
+  expect("scene.files", [](v1::JobSpec& s) { s.mutable_scene()->clear_files(); });
+  expect("scene.files[0].digest.sha256: has 31 bytes", [](v1::JobSpec& s) {
+    s.mutable_scene()->mutable_files(0)->mutable_digest()->mutable_sha256()->pop_back();
+  });
+  expect("occurs twice", [](v1::JobSpec& s) { *s.mutable_scene()->add_files() = s.scene().files(0); });
+  expect("frames.last", [](v1::JobSpec& s) { s.mutable_frames()->set_last(s.frames().first() - 1); });
+  expect("scene.files: has 10001", [](v1::JobSpec& s) {
+    for (int i = s.scene().files_size(); i < 10'001; ++i) s.mutable_scene()->add_files();
+  });
+  for (const char* name : {"/abs", "a/../b", "..", ".", "a//b", "a/", "a\\b", "a\nb", ""}) {
+    expect("scene.files[0].name",
+           [&](v1::JobSpec& s) { s.mutable_scene()->mutable_files(0)->set_name(name); });
+  }
+}
+
+TEST(PictureKeyTest, DependsOnWhatChangesPixelsAndOnNothingElse) {
+  std::mt19937 random(5);
+  JobSpec spec = RandomSpec(random);
+  spec.scene.files = {{"a", Sha256("a"), 1}, {"b", Sha256("b"), 2}};
+  spec.scene.root_name = "a";
+  const Digest key = PictureKey(spec.scene, spec.render);
+  SceneManifest reordered = spec.scene;
+  std::swap(reordered.files[0], reordered.files[1]);
+  EXPECT_EQ(PictureKey(reordered, spec.render), key);
+  SceneManifest renamed = spec.scene;
+  std::swap(renamed.files[0].name, renamed.files[1].name);
+  EXPECT_NE(PictureKey(renamed, spec.render), key);
+  RenderSettings seed = spec.render, camera = spec.render;
+  ++seed.seed;
+  camera.camera += camera.animation.empty() ? "x" : "";
+  camera.animation = "moved";
+  EXPECT_NE(PictureKey(spec.scene, seed), key);
+  EXPECT_NE(PictureKey(spec.scene, camera), key);
+}
+
+TEST(FrameRangeTest, IndexOfInvertsFrame) {
+  const FrameRange range{-7, 20, 3};
+  EXPECT_EQ(range.Count(), 10);
+  for (int64_t i = 0; i < range.Count(); ++i) EXPECT_EQ(range.IndexOf(range.Frame(i)), i);
+  EXPECT_EQ(range.IndexOf(-6), std::nullopt);
+  EXPECT_EQ(range.IndexOf(23), std::nullopt);
+}
+
+TEST(ConvertStatusTest, CodesAndMessagesSurviveAndLongOnesAreCutInWholeCharacters) {
+  for (int code = 0; code <= 16; ++code) {
+    const absl::Status status(absl::StatusCode(code), code == 0 ? "" : "why");
+    EXPECT_EQ(FromGrpc(ToGrpc(status)), status);
+  }
+  std::string text = "x";
+  while (text.size() < 6000) text += "é";
+  const std::string cut = ToGrpc(absl::InternalError(text)).error_message();
+  EXPECT_LT(cut.size(), 4200u);
+  EXPECT_THAT(cut, HasSubstr("more bytes"));
+  EXPECT_EQ(cut.substr(0, 4095), text.substr(0, 4095));
+  EXPECT_EQ(cut[4095], ' ');
+}
+
+TEST(ConvertStatusTest, DurationsRoundTripAndMalformedOnesAreZero) {
+  for (const absl::Duration duration :
+       {absl::Nanoseconds(1), absl::Seconds(-1.5), absl::Hours(9), absl::ZeroDuration()}) {
+    EXPECT_EQ(FromProto(ToProto(duration)), duration);
+  }
+  google::protobuf::Duration malformed;
+  malformed.set_seconds(std::numeric_limits<int64_t>::max());
+  EXPECT_EQ(FromProto(malformed), absl::ZeroDuration());
+  malformed.set_seconds(1);
+  malformed.set_nanos(-1);
+  EXPECT_EQ(FromProto(malformed), absl::ZeroDuration());
+}
+
+}  // namespace
+}  // namespace shutterline::convert

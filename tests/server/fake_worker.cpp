@@ -1,0 +1,163 @@
+#include "tests/server/fake_worker.h"
+
+#include <cstring>
+
+#include "common/base/build_id.h"
+#include "common/base/check.h"
+#include "common/base/ids.h"
+#include "common/job/tile.h"
+#include "proto/convert/protocol.h"
+
+namespace shutterline::test {
+
+void SyntheticPixel(int frame, int x, int y, float rgba[4]) {
+  rgba[0] = float(x) / 64;
+  rgba[1] = float(y) / 64;
+  rgba[2] = float(frame) / 16;
+  rgba[3] = float((x * 7 + y * 13 + frame) % 32) / 32;
+}
+
+std::string SyntheticTile(int width, int height, int frame, uint32_t tile) {
+  const TileRect rect = TileGrid{width, height}.Rect(int(tile));
+  std::string bytes(size_t(rect.Area()) * 16, '\0');
+  for (int y = 0; y < rect.height; ++y) {
+    for (int x = 0; x < rect.width; ++x) {
+      float rgba[4];
+      SyntheticPixel(frame, rect.x + x, rect.y + y, rgba);
+      std::memcpy(&bytes[size_t(y * rect.width + x) * 16], rgba, 16);
+    }
+  }
+  return bytes;
+}
+
+v1::Hello FakeWorker::MakeHello(const std::string& uuid) {
+  v1::Hello hello;
+  hello.set_worker_uuid(uuid);
+  hello.set_boot_id(MakeUuid());
+  hello.mutable_protocol()->set_low(convert::kProtocolLow);
+  hello.mutable_protocol()->set_high(convert::kProtocolHigh);
+  hello.set_build_id(kBuildId);
+  hello.set_isa("fake");
+  hello.set_slots(1);
+  hello.set_name("fake worker");
+  return hello;
+}
+
+FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid)
+    : stub_(v1::Workers::NewStub(channel)) {
+  grpc::ClientContext context;
+  SL_CHECK(stub_->Register(&context, MakeHello(uuid), &welcome_).ok());
+  session_ = stub_->Session(&session_context_);
+  v1::WorkerMessage message;
+  message.mutable_open()->set_session_id(welcome_.session_id());
+  message.mutable_open()->set_epoch(welcome_.epoch());
+  SL_CHECK(session_->Write(message));
+  results_ = stub_->PushResults(&results_context_);
+}
+
+FakeWorker::~FakeWorker() {
+  if (!gone_) Die();
+}
+
+void FakeWorker::Die() {
+  gone_ = true;
+  session_context_.TryCancel();
+  results_context_.TryCancel();
+  session_->Finish();
+  results_->Finish();
+}
+
+std::pair<grpc::Status, grpc::Status> FakeWorker::Leave() {
+  gone_ = true;
+  results_->WritesDone();
+  const grpc::Status results = results_->Finish();
+  session_->WritesDone();
+  v1::CoordinatorMessage message;
+  while (session_->Read(&message)) {
+  }
+  return {session_->Finish(), results};
+}
+
+grpc::Status FakeWorker::SessionStatus() {
+  gone_ = true;
+  results_context_.TryCancel();
+  results_->Finish();
+  v1::CoordinatorMessage message;
+  while (session_->Read(&message)) {
+  }
+  return session_->Finish();
+}
+
+void FakeWorker::Credit(uint32_t leases) {
+  v1::WorkerMessage message;
+  message.mutable_credit()->set_leases(leases);
+  session_->Write(message);
+}
+
+void FakeWorker::Heartbeat(const std::vector<uint64_t>& leases) {
+  v1::WorkerMessage message;
+  message.mutable_heartbeat()->mutable_lease_ids()->Add(leases.begin(), leases.end());
+  session_->Write(message);
+}
+
+void FakeWorker::Return(const std::vector<uint64_t>& leases) {
+  v1::WorkerMessage message;
+  message.mutable_return_leases()->mutable_lease_ids()->Add(leases.begin(), leases.end());
+  session_->Write(message);
+}
+
+bool FakeWorker::Next(v1::CoordinatorMessage& message) {
+  if (!session_->Read(&message)) return false;
+  if (message.has_job()) job = message.job();
+  return true;
+}
+
+v1::Grant FakeWorker::NextGrant() {
+  v1::CoordinatorMessage message;
+  while (Next(message)) {
+    if (message.has_grant()) return message.grant();
+  }
+  SL_CHECK(false && "the session ended while a grant was awaited");
+  return {};
+}
+
+v1::TileResult FakeWorker::Result(const v1::Grant& grant, uint32_t tile) const {
+  v1::TileResult result;
+  result.set_job_id(grant.job_id());
+  result.set_frame(grant.frame());
+  result.set_tile(tile);
+  result.set_lease_id(grant.lease_id());
+  result.set_rgba(SyntheticTile(job.render().width(), job.render().height(), grant.frame(), tile));
+  result.mutable_render_time()->set_nanos(1'000'000);
+  return result;
+}
+
+v1::ResultAck FakeWorker::Push(const std::vector<v1::TileResult>& results) {
+  v1::ResultBatch batch;
+  batch.set_session_id(welcome_.session_id());
+  batch.set_epoch(welcome_.epoch());
+  batch.set_batch_id(next_batch_++);
+  for (const v1::TileResult& result : results) *batch.add_tiles() = result;
+  v1::ResultAck ack;
+  SL_CHECK(results_->Write(batch) && results_->Read(&ack));
+  SL_CHECK(ack.batch_id() == batch.batch_id());
+  return ack;
+}
+
+v1::ResultAck FakeWorker::Render(const v1::Grant& grant) {
+  std::vector<v1::TileResult> results;
+  for (const uint32_t tile : grant.tiles()) results.push_back(Result(grant, tile));
+  return Push(results);
+}
+
+void FakeWorker::RenderUntilForgotten() {
+  Credit(1);
+  v1::CoordinatorMessage message;
+  while (Next(message) && !message.has_forget_job()) {
+    if (!message.has_grant()) continue;
+    Render(message.grant());
+    Credit(1);
+  }
+}
+
+}  // namespace shutterline::test

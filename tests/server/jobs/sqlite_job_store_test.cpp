@@ -1,0 +1,98 @@
+#include "server/jobs/sqlite_job_store.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/temporary_folder.h"
+
+namespace shutterline::server {
+namespace {
+
+class SqliteJobStoreTest : public testing::Test {
+ protected:
+  void Reopen() {
+    store_.reset();
+    auto store = SqliteJobStore::Open(path_);
+    ASSERT_TRUE(store.ok()) << store.status();
+    store_ = *std::move(store);
+  }
+  void SetUp() override { Reopen(); }
+
+  static JobSpec Spec(int frames) {
+    JobSpec spec;
+    spec.name = "näme";
+    spec.scene.root_name = "a.glb";
+    spec.scene.files = {{"a.glb", Sha256("a"), 1}};
+    spec.frames = {1, frames, 1};
+    spec.render.time_samples = 9;
+    spec.render.seed = 0xffffffffffffffffull;
+    return spec;
+  }
+
+  test::TemporaryFolder folder_;
+  const std::string path_ = folder_.path() + "/jobs.sqlite";
+  const absl::Time now_ = absl::FromUnixMicros(1'700'000'000'123'456);
+  std::unique_ptr<SqliteJobStore> store_;
+};
+
+TEST_F(SqliteJobStoreTest, EpochGrowsWithEveryStart) {
+  EXPECT_EQ(store_->NextEpoch().value(), 1u);
+  Reopen();
+  EXPECT_EQ(store_->NextEpoch().value(), 2u);
+}
+
+TEST_F(SqliteJobStoreTest, JobIsReadBackAsItWasWrittenAfterAReopen) {
+  const JobStore::Created created = store_->Create("request", Spec(3), now_).value();
+  EXPECT_TRUE(created.is_new);
+  Reopen();
+  const JobRecord job = store_->Get(created.job.id).value();
+  EXPECT_EQ(job.spec, Spec(3));
+  EXPECT_EQ(job.submitted, now_);
+  EXPECT_EQ(job.state, JobState::kQueued);
+  EXPECT_EQ(job.ended, absl::InfinitePast());
+  EXPECT_EQ(store_->FindRequest("request")->id, job.id);
+  EXPECT_TRUE(absl::IsNotFound(store_->FindRequest("request2").status()));
+  EXPECT_TRUE(absl::IsNotFound(store_->Get("' OR 1=1 --").status()));
+}
+
+TEST_F(SqliteJobStoreTest, SameRequestIsTheSameJob) {
+  const JobStore::Created first = store_->Create("request", Spec(3), now_).value();
+  const JobStore::Created second = store_->Create("request", Spec(4), now_).value();
+  EXPECT_FALSE(second.is_new);
+  EXPECT_EQ(second.job.id, first.job.id);
+  EXPECT_EQ(second.job.spec, Spec(3));
+}
+
+TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
+  const JobRecord a = store_->Create("a", Spec(1), now_)->job;
+  const JobRecord b = store_->Create("b", Spec(1), now_)->job;
+  ASSERT_TRUE(store_->AddFinishedFrame(a.key, {1, Sha256("exr"), 77}).ok());
+  ASSERT_TRUE(store_->End(a.key, JobState::kFailed, "why", now_).ok());
+  ASSERT_TRUE(store_->End(a.key, JobState::kSucceeded, "", now_).ok());
+  Reopen();
+  EXPECT_EQ(store_->Get(a.id)->state, JobState::kFailed);
+  EXPECT_EQ(store_->Get(a.id)->error, "why");
+  EXPECT_EQ(store_->Get(a.id)->ended, now_);
+  const std::vector<FinishedFrame> frames = store_->FinishedFrames(a.key).value();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].digest, Sha256("exr"));
+  const std::vector<JobRecord> unfinished = store_->Unfinished().value();
+  ASSERT_EQ(unfinished.size(), 1u);
+  EXPECT_EQ(unfinished[0].id, b.id);
+  ASSERT_TRUE(store_->RemoveFinishedFrame(a.key, 1).ok());
+  EXPECT_TRUE(store_->FinishedFrames(a.key)->empty());
+}
+
+TEST_F(SqliteJobStoreTest, FolderOfOneStoreIsClosedToAnother) {
+  EXPECT_TRUE(absl::IsFailedPrecondition(SqliteJobStore::Open(path_).status()));
+}
+
+TEST_F(SqliteJobStoreTest, DamagedFileIsDataLoss) {
+  store_.reset();
+  std::ofstream(path_, std::ios::trunc) << std::string(8192, 'x');
+  EXPECT_TRUE(absl::IsDataLoss(SqliteJobStore::Open(path_).status()));
+}
+
+}  // namespace
+}  // namespace shutterline::server
