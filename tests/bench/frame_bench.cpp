@@ -1,0 +1,142 @@
+// One frame by the line integrator, stage by stage, beside the reference integrator: times are printed
+// against the error of the very picture that took them, as docs/performance.md asks.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "common/image/exr.h"
+#include "common/image/metrics.h"
+#include "common/image/png.h"
+#include "tests/support/engine_frame.h"
+
+namespace shutterline::engine {
+namespace {
+
+struct Options {
+  std::string scene = "trees";
+  std::string camera, animation;
+  std::string pattern = "rgls";
+  std::string save;
+  int width = 1024, height = 768;
+  int frame = 0;
+  int threads = 1;
+  int repeats = 1;
+  int half_spp = 0;
+  double shutter_close = 0.5, fps = 24, time_step = 1;
+  int time_samples = 0;
+  std::vector<int> ladder;
+  bool flat = false;
+};
+
+template <typename T>
+T OrExit(absl::StatusOr<T> value) {
+  if (!value.ok()) {
+    std::fprintf(stderr, "frame_bench: %s\n", std::string(value.status().message()).c_str());
+    std::exit(1);
+  }
+  return *std::move(value);
+}
+
+void PrintStages(const char* name, const RenderedFrame& f) {
+  const RenderStats& s = f.stats;
+  std::printf(
+      "%-24s scene %.3f s  build %.3f s  render %.3f s  (thread time: cull %.3f  setup %.3f  resolve %.3f  shade "
+      "%.3f)\n",
+      name, f.times.scene_seconds, f.times.build_seconds, f.times.render_seconds, s.cull_seconds, s.setup_seconds,
+      s.resolve_seconds, s.shade_seconds);
+  std::printf("%-24s tiles %lld  candidates %lld  lines %lld  instants %lld  segments %lld  spans %lld  pairs %lld\n",
+              "", (long long)s.tiles, (long long)s.candidate_triangles, (long long)s.lines, (long long)s.instants,
+              (long long)s.segments, (long long)s.spans, (long long)s.pairs);
+}
+
+void PrintError(const char* name, const Image& image, const Image& a, const Image& b,
+                const std::vector<uint8_t>& moving) {
+  const UnbiasedError whole = OrExit(MeasureUnbiasedError(image, a, b));
+  std::printf("%-24s whole frame: %s\n", name, whole.ToString().c_str());
+  const auto in_motion = MeasureUnbiasedError(image, a, b, moving);
+  if (in_motion.ok()) {
+    std::printf("%-24s moving region (%lld pixels): %s\n", name, (long long)in_motion->pixels,
+                in_motion->ToString().c_str());
+  }
+}
+
+int Run(const Options& options) {
+  std::shared_ptr<const Scene> scene = OrExit(LoadTestScene(options.scene));
+  if (options.flat) scene = WithFlatColors(*scene);
+  RenderSettings settings;
+  settings.width = options.width;
+  settings.height = options.height;
+  settings.fps = options.fps;
+  settings.shutter_close = options.shutter_close;
+  settings.camera = options.camera;
+  settings.animation = options.animation;
+  settings.time_step = options.time_step;
+  if (options.time_samples > 0) settings.time_samples = options.time_samples;
+  const auto pattern = ParsePattern(options.pattern);
+  if (!pattern) {
+    std::fprintf(stderr, "frame_bench: unknown pattern\n");
+    return 2;
+  }
+  settings.pattern = *pattern;
+
+  RenderedFrame line;
+  for (int i = 0; i < options.repeats; ++i) {
+    line = OrExit(RenderFrame(scene, options.frame, settings, options.threads));
+    PrintStages("line", line);
+  }
+  for (const std::string& warning : line.warnings) std::printf("warning: %s\n", warning.c_str());
+  if (!options.save.empty()) {
+    (void)WritePng(options.save + "_line.png", line.image);
+    (void)WriteExr(options.save + "_line.exr", line.image, OutputSettings{.pixel_type = PixelType::kFloat}, {});
+  }
+  if (options.half_spp == 0) return 0;
+
+  RenderSettings reference = settings;
+  reference.integrator = IntegratorKind::kReference;
+  reference.spp = options.half_spp;
+  reference.seed = 101;
+  const RenderedFrame a = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+  reference.seed = 202;
+  const RenderedFrame b = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+  PrintStages("reference, one half", a);
+  const auto moving = OrExit(MovingRegion(scene, options.frame, settings, line.image, options.threads));
+  PrintError("line", line.image, a.image, b.image, moving);
+  if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
+  for (const int spp : options.ladder) {
+    reference.spp = spp;
+    reference.seed = 303;
+    const RenderedFrame rival = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+    const std::string name = "reference, " + std::to_string(spp) + " spp";
+    PrintStages(name.c_str(), rival);
+    PrintError(name.c_str(), rival.image, a.image, b.image, moving);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace shutterline::engine
+
+int main(int argc, char** argv) {
+  shutterline::engine::Options o;
+  CLI::App app("Time and error of one frame by the line integrator and the reference.");
+  app.add_option("scene", o.scene, "A file, or the name of a generated scene");
+  app.add_option("--width", o.width, "Pixels");
+  app.add_option("--height", o.height, "Pixels");
+  app.add_option("--frame", o.frame, "Frame");
+  app.add_option("--fps", o.fps, "Frames a second");
+  app.add_option("--shutter-close", o.shutter_close, "Frames");
+  app.add_option("--camera", o.camera, "Name or index");
+  app.add_option("--animation", o.animation, "Name, index, all or none");
+  app.add_option("--pattern", o.pattern, "1h1v, 2h2v, 4h4v or rgls");
+  app.add_option("--time-step", o.time_step, "Pixels of motion an instant");
+  app.add_option("--time-samples", o.time_samples, "Instants on every moving line; 0: by motion");
+  app.add_option("--threads", o.threads, "Threads");
+  app.add_option("--repeats", o.repeats, "How often the line integrator renders");
+  app.add_option("--half-spp", o.half_spp, "Points a pixel of each half of the reference; 0: no reference");
+  app.add_option("--ladder", o.ladder, "Also time the reference at these points a pixel");
+  app.add_flag("--flat", o.flat, "Unlit flat colours instead of the scene's materials");
+  app.add_option("--save", o.save, "Prefix of pictures to write");
+  CLI11_PARSE(app, argc, argv);
+  return shutterline::engine::Run(o);
+}
