@@ -41,13 +41,15 @@ T OrExit(absl::StatusOr<T> value) {
 void PrintStages(const char* name, const RenderedFrame& f) {
   const RenderStats& s = f.stats;
   std::printf(
-      "%-24s scene %.3f s  build %.3f s  render %.3f s  (thread time: cull %.3f  setup %.3f  resolve %.3f  shade "
+      "%-24s scene %.3f s  build %.3f s  render %.3f s  (thread time: cull %.3f  setup %.3f  resolve %.3f  "
+      "shade "
       "%.3f)\n",
-      name, f.times.scene_seconds, f.times.build_seconds, f.times.render_seconds, s.cull_seconds, s.setup_seconds,
-      s.resolve_seconds, s.shade_seconds);
-  std::printf("%-24s tiles %lld  candidates %lld  lines %lld  instants %lld  segments %lld  spans %lld  pairs %lld\n",
-              "", (long long)s.tiles, (long long)s.candidate_triangles, (long long)s.lines, (long long)s.instants,
-              (long long)s.segments, (long long)s.spans, (long long)s.pairs);
+      name, f.times.scene_seconds, f.times.build_seconds, f.times.render_seconds, s.cull_seconds,
+      s.setup_seconds, s.resolve_seconds, s.shade_seconds);
+  std::printf(
+      "%-24s tiles %lld  candidates %lld  lines %lld  instants %lld  segments %lld  spans %lld  pairs %lld\n",
+      "", (long long)s.tiles, (long long)s.candidate_triangles, (long long)s.lines, (long long)s.instants,
+      (long long)s.segments, (long long)s.spans, (long long)s.pairs);
 }
 
 void PrintError(const char* name, const Image& image, const Image& a, const Image& b,
@@ -88,7 +90,8 @@ int Run(const Options& options) {
   for (const std::string& warning : line.warnings) std::printf("warning: %s\n", warning.c_str());
   if (!options.save.empty()) {
     (void)WritePng(options.save + "_line.png", line.image);
-    (void)WriteExr(options.save + "_line.exr", line.image, OutputSettings{.pixel_type = PixelType::kFloat}, {});
+    (void)WriteExr(options.save + "_line.exr", line.image, OutputSettings{.pixel_type = PixelType::kFloat},
+                   {});
   }
   if (options.half_spp == 0) return 0;
 

@@ -80,7 +80,8 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
     tbb::parallel_for(0, columns * rows, [&](int tile) {
       const int x = tile % columns * tile_size;
       const int y = tile / columns * tile_size;
-      const TileRect rect{x, y, std::min(tile_size, settings.width - x), std::min(tile_size, settings.height - y)};
+      const TileRect rect{x, y, std::min(tile_size, settings.width - x),
+                          std::min(tile_size, settings.height - y)};
       std::vector<float> rgba(4 * size_t(rect.Area()));
       RenderStats stats;
       integrator->Render(rect, rgba, stats);
@@ -96,7 +97,8 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
 }
 
 absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const Image& blurred, int threads) {
+                                                  const RenderSettings& settings, const Image& blurred,
+                                                  int threads) {
   RenderSettings open = settings;
   open.shutter_close = open.shutter_open;
   RenderSettings close = settings;

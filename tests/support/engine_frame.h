@@ -24,9 +24,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> LoadTestScene(const std::string& na
 std::shared_ptr<const Scene> WithFlatColors(const Scene& scene);
 
 struct FrameTimes {
-  double scene_seconds = 0;    ///< Pose and projection.
-  double build_seconds = 0;    ///< Hierarchy.
-  double render_seconds = 0;   ///< All tiles, wall time.
+  double scene_seconds = 0;   ///< Pose and projection.
+  double build_seconds = 0;   ///< Hierarchy.
+  double render_seconds = 0;  ///< All tiles, wall time.
 };
 
 struct RenderedFrame {
@@ -38,10 +38,12 @@ struct RenderedFrame {
 
 /// Renders `frame` in tiles of `tile_size` pixels with `threads` threads.
 absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, int frame,
-                                          const RenderSettings& settings, int threads, int tile_size = kTileSize);
+                                          const RenderSettings& settings, int threads,
+                                          int tile_size = kTileSize);
 
 /// One for each pixel that motion changes: where stills at shutter open and close and `blurred` differ.
 absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const Image& blurred, int threads);
+                                                  const RenderSettings& settings, const Image& blurred,
+                                                  int threads);
 
 }  // namespace shutterline::engine

@@ -5,6 +5,7 @@
 
 #include "common/base/check.h"
 #include "worker/engine/visibility/front_to_back.h"
+#include "worker/engine/visibility/line_weights.h"
 
 namespace shutterline::engine {
 namespace {
@@ -17,7 +18,9 @@ class TileResolution {
  public:
   TileResolution(const LinePattern& pattern, const TimeSamples& time_samples, const TileTriangles& tile,
                  PairWeights& weights, RenderStats& stats)
-      : pattern_(pattern), time_samples_(time_samples), tile_(tile), weights_(weights), stats_(stats) {}
+      : pattern_(pattern), time_samples_(time_samples), tile_(tile), weights_(weights), stats_(stats) {
+    line_weights_.Reset(tile.triangles.size());
+  }
 
   void ResolveGroup(std::span<const TileLine> lines) {
     GatherGroup(lines);
@@ -46,11 +49,14 @@ class TileResolution {
     ResolveStatic();
     GatherMoving();
     if (moving_.empty()) {
-      Accumulate(static_, 0, uint64_t(time_samples_.WeightPerLine()));
       ++stats_.instants;
-      return;
+      Accumulate(static_, 0, uint64_t(time_samples_.WeightPerLine()));
+    } else {
+      ResolveInstants();
     }
-    ResolveInstants();
+    line_weights_.ForEachAndClear([&](uint32_t index, int step, uint64_t weight) {
+      weights_.Add(PixelOf(step), {.triangle = tile_.triangles[index].id, .weight = weight});
+    });
   }
 
   bool Touches(const TileTriangle& triangle) const {
@@ -140,28 +146,36 @@ class TileResolution {
     envelope.Offer(segment, position);
   }
 
-  /// Cuts visible spans at the pixels' borders and adds the pieces to their pairs.
-  void Accumulate(const FrontToBack& envelope, double t, uint64_t instant_weight) {
+  void Accumulate(const FrontToBack& envelope, double t, uint64_t weight) {
     stats_.spans += int64_t(envelope.spans().size());
     for (const VisibleSpan& span : envelope.spans()) {
-      const LineSegment& segment = envelope.segments()[span.segment];
-      const TileTriangle& triangle = tile_.triangles[segment.index];
-      PixelPair piece{.triangle = segment.id,
-                      .bin = uint16_t(t * double(1u << triangle.shading_bins_log2)),
-                      .bins_log2 = triangle.shading_bins_log2};
-      for (int32_t from = span.begin; from < span.end;) {
-        const int step = from >> kSubpixelBits;
-        const int32_t to = std::min(span.end, (step + 1) << kSubpixelBits);
-        piece.weight = uint64_t(to - from) * instant_weight;
-        if (triangle.needs_position) {
-          const double middle = (double(from) + double(to)) * (0.5 / kSubpixelsPerPixel);
-          const SegmentBarycentric at = BarycentricAt(segment, envelope.positions()[span.segment], middle);
-          piece.b1 = at.b1;
-          piece.b2 = at.b2;
-        }
-        weights_.Add(PixelOf(step), piece);
-        from = to;
+      const uint32_t index = envelope.segments()[span.segment].index;
+      if (tile_.triangles[index].needs_position) {
+        AccumulateWithPosition(envelope, span, t, weight);
+      } else {
+        line_weights_.Add(index, span.begin, span.end, weight);
       }
+    }
+  }
+
+  /// Cuts a visible span at the pixels' borders: each piece has a place of its own on the triangle.
+  void AccumulateWithPosition(const FrontToBack& envelope, const VisibleSpan& span, double t,
+                              uint64_t weight) {
+    const LineSegment& segment = envelope.segments()[span.segment];
+    const TileTriangle& triangle = tile_.triangles[segment.index];
+    PixelPair piece{.triangle = segment.id,
+                    .bin = uint16_t(t * double(1u << triangle.shading_bins_log2)),
+                    .bins_log2 = triangle.shading_bins_log2};
+    for (int32_t from = span.begin; from < span.end;) {
+      const int step = from >> kSubpixelBits;
+      const int32_t to = std::min(span.end, (step + 1) << kSubpixelBits);
+      const double middle = (double(from) + double(to)) * (0.5 / kSubpixelsPerPixel);
+      const SegmentBarycentric at = BarycentricAt(segment, envelope.positions()[span.segment], middle);
+      piece.b1 = at.b1;
+      piece.b2 = at.b2;
+      piece.weight = uint64_t(to - from) * weight;
+      weights_.Add(PixelOf(step), piece);
+      from = to;
     }
   }
 
@@ -182,6 +196,7 @@ class TileResolution {
   SegmentLine segment_line_;
   FrontToBack static_;
   FrontToBack moment_;
+  LineWeights line_weights_;
   std::vector<uint32_t> moving_;
   double motion_pixels_ = 0;
 };
