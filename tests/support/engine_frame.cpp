@@ -1,16 +1,12 @@
 #include "tests/support/engine_frame.h"
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
-#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "common/base/status_macros.h"
 #include "tests/scenes/scene_generators.h"
+#include "tests/support/render_tiles.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
@@ -71,27 +67,8 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
   result.times.build_seconds = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();
-  result.image = Image(settings.width, settings.height);
-  const int columns = (settings.width + tile_size - 1) / tile_size;
-  const int rows = (settings.height + tile_size - 1) / tile_size;
-  std::mutex mutex;
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    tbb::parallel_for(0, columns * rows, [&](int tile) {
-      const int x = tile % columns * tile_size;
-      const int y = tile / columns * tile_size;
-      const TileRect rect{x, y, std::min(tile_size, settings.width - x),
-                          std::min(tile_size, settings.height - y)};
-      std::vector<float> rgba(4 * size_t(rect.Area()));
-      RenderStats stats;
-      integrator->Render(rect, rgba, stats);
-      for (int row = 0; row < rect.height; ++row) {
-        std::copy_n(&rgba[4 * size_t(row) * size_t(rect.width)], 4 * rect.width, result.image.At(x, y + row));
-      }
-      const std::lock_guard lock(mutex);
-      result.stats += stats;
-    });
-  });
+  result.image =
+      RenderTiles(*integrator, settings.width, settings.height, tile_size, tile_size, threads, &result.stats);
   result.times.render_seconds = SecondsSince(start);
   return result;
 }

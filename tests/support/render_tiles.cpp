@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <span>
 #include <thread>
 #include <vector>
@@ -16,7 +17,7 @@ Image RenderRect(const TileIntegrator& integrator, const TileRect& rect, RenderS
 }
 
 Image RenderTiles(const TileIntegrator& integrator, int width, int height, int tile_width, int tile_height,
-                  int threads) {
+                  int threads, RenderStats* stats) {
   std::vector<TileRect> tiles;
   for (int y = 0; y < height; y += tile_height) {
     for (int x = 0; x < width; x += tile_width) {
@@ -25,19 +26,25 @@ Image RenderTiles(const TileIntegrator& integrator, int width, int height, int t
   }
   Image image(width, height);
   std::atomic<int> left = int(tiles.size());
+  std::mutex mutex;
+  RenderStats sum;
   const auto work = [&] {
+    RenderStats own;
     for (int i = --left; i >= 0; i = --left) {
       const TileRect& tile = tiles[size_t(i)];
-      const Image part = RenderRect(integrator, tile);
+      const Image part = RenderRect(integrator, tile, &own);
       for (int y = 0; y < tile.height; ++y) {
         std::copy_n(part.At(0, y), 4 * tile.width, image.At(tile.x, tile.y + y));
       }
     }
+    const std::lock_guard lock(mutex);
+    sum += own;
   };
   std::vector<std::jthread> workers;
   for (int i = 1; i < threads; ++i) workers.emplace_back(work);
   work();
   workers.clear();  // Joins.
+  if (stats != nullptr) *stats += sum;
   return image;
 }
 

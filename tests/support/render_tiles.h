@@ -10,8 +10,8 @@ namespace shutterline::engine {
 Image RenderRect(const TileIntegrator& integrator, const TileRect& rect, RenderStats* stats = nullptr);
 
 /// A whole frame, cut into tiles of `tile_width` × `tile_height` pixels, which `threads` threads take from
-/// the last to the first.
+/// the last to the first. Adds to `stats` where it is not null.
 Image RenderTiles(const TileIntegrator& integrator, int width, int height, int tile_width = kTileSize,
-                  int tile_height = kTileSize, int threads = 1);
+                  int tile_height = kTileSize, int threads = 1, RenderStats* stats = nullptr);
 
 }  // namespace shutterline::engine
