@@ -84,7 +84,7 @@ int Run(const Options& options) {
 
   RenderedFrame line;
   for (int i = 0; i < options.repeats; ++i) {
-    line = OrExit(RenderFrame(scene, options.frame, settings, options.threads));
+    line = OrExit(RenderFrame(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
     PrintStages("line", line);
   }
   for (const std::string& warning : line.warnings) std::printf("warning: %s\n", warning.c_str());
@@ -99,17 +99,21 @@ int Run(const Options& options) {
   reference.integrator = IntegratorKind::kReference;
   reference.spp = options.half_spp;
   reference.seed = 101;
-  const RenderedFrame a = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+  const RenderedFrame a =
+      OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
   reference.seed = 202;
-  const RenderedFrame b = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+  const RenderedFrame b =
+      OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
   PrintStages("reference, one half", a);
-  const auto moving = OrExit(MovingRegion(scene, options.frame, settings, line.image, options.threads));
+  const auto moving =
+      OrExit(MovingRegion(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
   for (const int spp : options.ladder) {
     reference.spp = spp;
     reference.seed = 303;
-    const RenderedFrame rival = OrExit(RenderFrame(scene, options.frame, reference, options.threads));
+    const RenderedFrame rival =
+        OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
     const std::string name = "reference, " + std::to_string(spp) + " spp";
     PrintStages(name.c_str(), rival);
     PrintError(name.c_str(), rival.image, a.image, b.image, moving);

@@ -30,7 +30,7 @@ RenderSettings Small(int width = 70, int height = 45) {
 
 Image Render(std::shared_ptr<const Scene> scene, const RenderSettings& settings, int threads = 1,
              int tile_size = kTileSize) {
-  auto frame = RenderFrame(std::move(scene), 0, settings, threads, tile_size);
+  auto frame = RenderFrame(std::move(scene), 0, settings, {.threads = threads, .tile_size = tile_size});
   EXPECT_TRUE(frame.ok()) << frame.status();
   return frame.ok() ? std::move(frame->image) : Image();
 }

@@ -1,16 +1,20 @@
 #include "tests/support/engine_frame.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <unordered_set>
 #include <utility>
 
 #include "common/base/status_macros.h"
 #include "tests/scenes/scene_generators.h"
 #include "tests/support/render_tiles.h"
+#include "worker/engine/accel/bvh.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/memory_asset_source.h"
+#include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
 namespace {
@@ -23,6 +27,10 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 V3f ColorOf(size_t number) {
   const auto part = [&](double step) { return float(0.2 + 0.8 * std::fmod(double(number + 1) * step, 1.0)); };
   return {part(0.754877), part(0.569840), part(0.430160)};
+}
+
+TileRect WindowOf(const RenderSettings& settings, const FrameOptions& options) {
+  return options.window.value_or(TileRect{0, 0, settings.width, settings.height});
 }
 
 }  // namespace
@@ -55,7 +63,7 @@ std::shared_ptr<const Scene> WithFlatColors(const Scene& scene) {
 }
 
 absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, int frame,
-                                          const RenderSettings& settings, int threads, int tile_size) {
+                                          const RenderSettings& settings, const FrameOptions& options) {
   RenderedFrame result;
   auto start = std::chrono::steady_clock::now();
   SL_ASSIGN_OR_RETURN(auto frame_scene, BuildFrameScene(std::move(scene), frame, settings));
@@ -63,36 +71,68 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
   result.warnings = frame_scene->warnings;
 
   start = std::chrono::steady_clock::now();
-  SL_ASSIGN_OR_RETURN(const auto integrator, MakeTileIntegrator(frame_scene, frame, settings, threads));
+  SL_ASSIGN_OR_RETURN(const auto integrator,
+                      MakeTileIntegrator(frame_scene, frame, settings, options.threads));
   result.times.build_seconds = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();
-  result.image =
-      RenderTiles(*integrator, settings.width, settings.height, tile_size, tile_size, threads, &result.stats);
+  result.image = RenderWindow(*integrator, WindowOf(settings, options), options.tile_size, options.tile_size,
+                              options.threads, &result.stats);
   result.times.render_seconds = SecondsSince(start);
   return result;
 }
 
 absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const Image& blurred,
-                                                  int threads) {
-  RenderSettings open = settings;
+                                                  const RenderSettings& settings, const FrameOptions& options,
+                                                  double least_pixels) {
+  RenderSettings line = settings;
+  line.integrator = IntegratorKind::kLine;
+  RenderSettings open = line;
   open.shutter_close = open.shutter_open;
-  RenderSettings close = settings;
+  RenderSettings close = line;
   close.shutter_open = close.shutter_close;
-  SL_ASSIGN_OR_RETURN(const RenderedFrame at_open, RenderFrame(scene, frame, open, threads));
-  SL_ASSIGN_OR_RETURN(const RenderedFrame at_close, RenderFrame(scene, frame, close, threads));
+  SL_ASSIGN_OR_RETURN(const RenderedFrame blurred, RenderFrame(scene, frame, line, options));
+  SL_ASSIGN_OR_RETURN(const RenderedFrame at_open, RenderFrame(scene, frame, open, options));
+  SL_ASSIGN_OR_RETURN(const RenderedFrame at_close, RenderFrame(scene, frame, close, options));
   std::vector<uint8_t> mask;
-  for (int y = 0; y < settings.height; ++y) {
-    for (int x = 0; x < settings.width; ++x) {
-      bool moves = false;
-      for (int c = 0; c < 4; ++c) {
-        const float a = at_open.image.At(x, y)[c];
-        const float b = at_close.image.At(x, y)[c];
-        const float m = blurred.At(x, y)[c];
-        moves |= std::abs(a - b) > 1e-4f || std::abs(a - m) > 1e-4f;
+  for (size_t i = 0; i < blurred.image.values().size(); i += 4) {
+    bool changes = false;
+    for (size_t c = i; c < i + 4; ++c) {
+      const float a = at_open.image.values()[c];
+      changes |=
+          std::abs(a - at_close.image.values()[c]) > 1e-4f || std::abs(a - blurred.image.values()[c]) > 1e-4f;
+    }
+    mask.push_back(changes ? 1 : 0);
+  }
+
+  // Leave only those that see something fast.
+  SL_ASSIGN_OR_RETURN(auto frame_scene, BuildFrameScene(std::move(scene), frame, line));
+  SL_ASSIGN_OR_RETURN(const auto bvh, Bvh::Build(frame_scene, options.threads));
+  const std::vector<PrimitiveTraits> traits(frame_scene->primitives.size());
+  const LinePattern& pattern = LinePattern::Get(line.pattern);
+  const auto resolver = MakeResolver(line);
+  const TileRect window = WindowOf(settings, options);
+  for (int y = 0; y < window.height; y += kTileSize) {
+    for (int x = 0; x < window.width; x += kTileSize) {
+      const TileRect rect{window.x + x, window.y + y, std::min(kTileSize, window.width - x),
+                          std::min(kTileSize, window.height - y)};
+      std::vector<uint32_t> candidates;
+      bvh->CollectVisible(rect, candidates);
+      TileTriangles tile;
+      SetUpTile(*frame_scene, traits, pattern, rect, candidates, tile);
+      std::unordered_set<uint32_t> fast;
+      for (const TileTriangle& triangle : tile.triangles) {
+        if (triangle.moves && triangle.motion_pixels >= least_pixels) fast.insert(triangle.id);
       }
-      mask.push_back(moves ? 1 : 0);
+      PairWeights weights;
+      RenderStats stats;
+      resolver->Resolve(tile, weights, stats);
+      for (int64_t pixel = 0; pixel < rect.Area(); ++pixel) {
+        bool sees_fast = false;
+        weights.ForEach(pixel, [&](const PixelPair& pair) { sees_fast |= fast.contains(pair.triangle); });
+        const size_t row = size_t(y) + size_t(pixel / rect.width);
+        if (!sees_fast) mask[row * size_t(window.width) + size_t(x) + size_t(pixel % rect.width)] = 0;
+      }
     }
   }
   return mask;

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/image/image.h"
 #include "common/job/render_settings.h"
+#include "common/job/tile.h"
 #include "worker/engine/render/stats.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/scene.h"
@@ -36,14 +38,21 @@ struct RenderedFrame {
   std::vector<std::string> warnings;
 };
 
-/// Renders `frame` in tiles of `tile_size` pixels with `threads` threads.
-absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, int frame,
-                                          const RenderSettings& settings, int threads,
-                                          int tile_size = kTileSize);
+struct FrameOptions {
+  int threads = 1;
+  int tile_size = kTileSize;
+  std::optional<TileRect> window = std::nullopt;  ///< Only this part of the frame; the picture has its size.
+};
 
-/// One for each pixel that motion changes: where stills at shutter open and close and `blurred` differ.
+/// Renders `frame`, or a window of it.
+absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, int frame,
+                                          const RenderSettings& settings, const FrameOptions& options = {});
+
+/// One for each pixel in which something moves by at least `least_pixels` over the shutter and that motion
+/// changes: the pixel of the still at shutter open, at shutter close and of the blurred picture are not
+/// all the same. (Where surfaces move by less, error is that of static edges: the lines', not time's.)
 absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const Image& blurred,
-                                                  int threads);
+                                                  const RenderSettings& settings, const FrameOptions& options,
+                                                  double least_pixels = 1);
 
 }  // namespace shutterline::engine

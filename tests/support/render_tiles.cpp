@@ -18,13 +18,19 @@ Image RenderRect(const TileIntegrator& integrator, const TileRect& rect, RenderS
 
 Image RenderTiles(const TileIntegrator& integrator, int width, int height, int tile_width, int tile_height,
                   int threads, RenderStats* stats) {
+  return RenderWindow(integrator, {0, 0, width, height}, tile_width, tile_height, threads, stats);
+}
+
+Image RenderWindow(const TileIntegrator& integrator, const TileRect& window, int tile_width, int tile_height,
+                   int threads, RenderStats* stats) {
   std::vector<TileRect> tiles;
-  for (int y = 0; y < height; y += tile_height) {
-    for (int x = 0; x < width; x += tile_width) {
-      tiles.push_back({x, y, std::min(tile_width, width - x), std::min(tile_height, height - y)});
+  for (int y = 0; y < window.height; y += tile_height) {
+    for (int x = 0; x < window.width; x += tile_width) {
+      tiles.push_back({window.x + x, window.y + y, std::min(tile_width, window.width - x),
+                       std::min(tile_height, window.height - y)});
     }
   }
-  Image image(width, height);
+  Image image(window.width, window.height);
   std::atomic<int> left = int(tiles.size());
   std::mutex mutex;
   RenderStats sum;
@@ -34,7 +40,7 @@ Image RenderTiles(const TileIntegrator& integrator, int width, int height, int t
       const TileRect& tile = tiles[size_t(i)];
       const Image part = RenderRect(integrator, tile, &own);
       for (int y = 0; y < tile.height; ++y) {
-        std::copy_n(part.At(0, y), 4 * tile.width, image.At(tile.x, tile.y + y));
+        std::copy_n(part.At(0, y), 4 * tile.width, image.At(tile.x - window.x, tile.y - window.y + y));
       }
     }
     const std::lock_guard lock(mutex);

@@ -14,4 +14,8 @@ Image RenderRect(const TileIntegrator& integrator, const TileRect& rect, RenderS
 Image RenderTiles(const TileIntegrator& integrator, int width, int height, int tile_width = kTileSize,
                   int tile_height = kTileSize, int threads = 1, RenderStats* stats = nullptr);
 
+/// The same for a part of a frame.
+Image RenderWindow(const TileIntegrator& integrator, const TileRect& window, int tile_width = kTileSize,
+                   int tile_height = kTileSize, int threads = 1, RenderStats* stats = nullptr);
+
 }  // namespace shutterline::engine
