@@ -53,13 +53,15 @@ void PrintStages(const char* name, const RenderedFrame& f) {
 }
 
 void PrintError(const char* name, const Image& image, const Image& a, const Image& b,
-                const std::vector<uint8_t>& moving) {
+                const MovingMasks& moving) {
   const UnbiasedError whole = OrExit(MeasureUnbiasedError(image, a, b));
   std::printf("%-24s whole frame: %s\n", name, whole.ToString().c_str());
-  const auto in_motion = MeasureUnbiasedError(image, a, b, moving);
-  if (in_motion.ok()) {
-    std::printf("%-24s moving region (%lld pixels): %s\n", name, (long long)in_motion->pixels,
-                in_motion->ToString().c_str());
+  for (const auto& [mask, what] :
+       {std::pair(&moving.region, "moving region"), {&moving.changed, "changed by motion"}}) {
+    const auto error = MeasureUnbiasedError(image, a, b, *mask);
+    if (!error.ok()) continue;  // Nothing moves.
+    std::printf("%-24s %s (%lld pixels): %s\n", name, what, (long long)error->pixels,
+                error->ToString().c_str());
   }
 }
 
@@ -106,7 +108,7 @@ int Run(const Options& options) {
       OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
   PrintStages("reference, one half", a);
   const auto moving =
-      OrExit(MovingRegion(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
+      OrExit(MaskMotion(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
   for (const int spp : options.ladder) {

@@ -26,7 +26,9 @@ struct Case {
   TileRect window{416, 320, 160, 128};  ///< The part of the frame of 1024 × 768 that is compared.
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.scene << ", frame " << c.frame; }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.scene << ", frame " << c.frame;
+}
 
 std::string NameOf(const testing::TestParamInfo<Case>& info) {
   return std::filesystem::path(info.param.scene).stem().string();
@@ -72,11 +74,11 @@ TEST_P(LineAgainstReference, ErrorIsWithinTheBars) {
   reference.seed = 2;
   const auto half_b = RenderFrame(scene, c.frame, reference, options);
   ASSERT_TRUE(half_a.ok() && half_b.ok());
-  const auto moving = MovingRegion(scene, c.frame, settings, options);
+  const auto moving = MaskMotion(scene, c.frame, settings, options);
   ASSERT_TRUE(moving.ok());
 
   const auto whole = MeasureUnbiasedError(line->image, half_a->image, half_b->image);
-  const auto in_motion = MeasureUnbiasedError(line->image, half_a->image, half_b->image, *moving);
+  const auto in_motion = MeasureUnbiasedError(line->image, half_a->image, half_b->image, moving->region);
   ASSERT_TRUE(whole.ok()) << whole.status();
   ASSERT_TRUE(in_motion.ok()) << in_motion.status() << ": nothing moves";
   std::printf("%s: whole frame %s; moving region (%lld pixels) %s\n", c.scene.c_str(),

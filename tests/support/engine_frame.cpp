@@ -82,9 +82,9 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
   return result;
 }
 
-absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const FrameOptions& options,
-                                                  double least_pixels) {
+absl::StatusOr<MovingMasks> MaskMotion(std::shared_ptr<const Scene> scene, int frame,
+                                       const RenderSettings& settings, const FrameOptions& options,
+                                       double least_pixels) {
   RenderSettings line = settings;
   line.integrator = IntegratorKind::kLine;
   RenderSettings open = line;
@@ -94,7 +94,7 @@ absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> s
   SL_ASSIGN_OR_RETURN(const RenderedFrame blurred, RenderFrame(scene, frame, line, options));
   SL_ASSIGN_OR_RETURN(const RenderedFrame at_open, RenderFrame(scene, frame, open, options));
   SL_ASSIGN_OR_RETURN(const RenderedFrame at_close, RenderFrame(scene, frame, close, options));
-  std::vector<uint8_t> mask;
+  MovingMasks masks;
   for (size_t i = 0; i < blurred.image.values().size(); i += 4) {
     bool changes = false;
     for (size_t c = i; c < i + 4; ++c) {
@@ -102,10 +102,11 @@ absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> s
       changes |=
           std::abs(a - at_close.image.values()[c]) > 1e-4f || std::abs(a - blurred.image.values()[c]) > 1e-4f;
     }
-    mask.push_back(changes ? 1 : 0);
+    masks.changed.push_back(changes ? 1 : 0);
   }
 
-  // Leave only those that see something fast.
+  // See what is fast.
+  masks.region.resize(masks.changed.size());
   SL_ASSIGN_OR_RETURN(auto frame_scene, BuildFrameScene(std::move(scene), frame, line));
   SL_ASSIGN_OR_RETURN(const auto bvh, Bvh::Build(frame_scene, options.threads));
   const std::vector<PrimitiveTraits> traits(frame_scene->primitives.size());
@@ -131,11 +132,12 @@ absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> s
         bool sees_fast = false;
         weights.ForEach(pixel, [&](const PixelPair& pair) { sees_fast |= fast.contains(pair.triangle); });
         const size_t row = size_t(y) + size_t(pixel / rect.width);
-        if (!sees_fast) mask[row * size_t(window.width) + size_t(x) + size_t(pixel % rect.width)] = 0;
+        masks.region[row * size_t(window.width) + size_t(x) + size_t(pixel % rect.width)] = sees_fast ? 1 : 0;
       }
     }
   }
-  return mask;
+  for (size_t i = 0; i < masks.region.size(); ++i) masks.changed[i] &= masks.region[i];
+  return masks;
 }
 
 }  // namespace shutterline::engine

@@ -48,11 +48,18 @@ struct FrameOptions {
 absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, int frame,
                                           const RenderSettings& settings, const FrameOptions& options = {});
 
-/// One for each pixel in which something moves by at least `least_pixels` over the shutter and that motion
-/// changes: the pixel of the still at shutter open, at shutter close and of the blurred picture are not
-/// all the same. (Where surfaces move by less, error is that of static edges: the lines', not time's.)
-absl::StatusOr<std::vector<uint8_t>> MovingRegion(std::shared_ptr<const Scene> scene, int frame,
-                                                  const RenderSettings& settings, const FrameOptions& options,
-                                                  double least_pixels = 1);
+/// Masks for errors in motion, a byte a pixel.
+struct MovingMasks {
+  /// Sees, at some instant, a surface that moves by at least `least_pixels` over the shutter.
+  std::vector<uint8_t> region;
+  /// Of these, the pixels whose value motion changes: still at shutter open, still at shutter close and
+  /// blurred picture differ. Where a surface slides along its own silhouette (a wheel that turns), these
+  /// are static edges, and their error is that of the lines.
+  std::vector<uint8_t> changed;
+};
+
+absl::StatusOr<MovingMasks> MaskMotion(std::shared_ptr<const Scene> scene, int frame,
+                                       const RenderSettings& settings, const FrameOptions& options,
+                                       double least_pixels = 1);
 
 }  // namespace shutterline::engine
