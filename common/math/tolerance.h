@@ -9,7 +9,7 @@ namespace shutterline {
 /// Positions along a line sample are integers of 2^-24 pixel. Two triangles that share an edge compute
 /// its crossing from the same numbers, hence round it to the same integer, and lengths of spans add up
 /// without any rounding: coverage of a pixel sums to exactly one. 2^-24 px is far below what a picture
-/// can show, and a line of 64 pixels still fits 32 bits. Guarded by `ClosedMeshCoversExactly`.
+/// can show, and a line of 64 pixels still fits 32 bits. Guarded by `Row21ClosedMeshCoversExactly`.
 inline constexpr int kSubpixelBits = 24;
 inline constexpr int32_t kSubpixelsPerPixel = int32_t{1} << kSubpixelBits;
 
@@ -20,7 +20,7 @@ inline constexpr int kMaxLinePixels = 64;
 
 /// A triangle's nearest depth is enlarged by this factor before it is compared with what lies in front:
 /// both have been rounded a few times (2^-53 each), and a wrong cull would be seen while a missed one
-/// costs nothing. Guarded by `StackedLayers` and `CoplanarDuplicates`.
+/// costs nothing. Guarded by `Row35StackedLayers` and `Row19CoplanarDuplicates`.
 inline constexpr double kDepthSlack = 1 + 1e-12;
 
 /// Line numbers are ranges of integers computed from raster positions in double precision; each end is
