@@ -232,9 +232,10 @@ void TileScheduler::Blame(const Worker& worker, std::vector<PoisonedTile>& poiso
     if (slot++ == worker.slots) break;
     JobQueue* queue = Find(lease.job);
     if (queue == nullptr) continue;
-    const auto tile = std::find_if(lease.tiles.begin(), lease.tiles.end(), [&](uint32_t candidate) {
-      return queue->Holder(lease.frame, candidate) == lease.id;
-    });
+    const auto tile =
+        std::find_if(lease.tiles.begin(), lease.tiles.end(), [&, &lease = lease](uint32_t candidate) {
+          return queue->Holder(lease.frame, candidate) == lease.id;
+        });
     if (tile == lease.tiles.end()) continue;
     const int deaths = queue->CountDeath(lease.frame, *tile, worker.uuid);
     if (deaths >= options_.max_tile_deaths) {

@@ -34,7 +34,7 @@ TileFrustum::TileFrustum(const FrameView& view, const TileRect& rect, double sca
       far_depth_(view.FarDepth()) {
   // A border of the rectangle, ±(X - border w) >= 0, with X and w as FrameView defines them; everything
   // divided by the scale.
-  const auto border = [&](double sign, V3d axis, double centre_minus_border) {
+  const auto border = [&](double sign, const V3d& axis, double centre_minus_border) {
     Plane plane;
     plane.normal = axis * sign;
     if (view.perspective) {
