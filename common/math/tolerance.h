@@ -25,12 +25,25 @@ inline constexpr double kDepthSlack = 1 + 1e-12;
 
 /// Line numbers are ranges of integers computed from raster positions in double precision; each end is
 /// widened by this fraction of the spacing so that rounding never loses a line. Superfluous lines are
-/// rejected exactly by signs. Guarded by `LineRangesAreConservative`.
+/// rejected exactly by signs. Positions far out, whose own rounding is coarser, get that in addition. Guarded
+/// by `LineRangesAreConservative`.
 inline constexpr double kLineRangeSlack = 1e-6;
 
 /// Motion along the shutter that no bound is known for, because the triangle crosses the near plane, is
 /// taken as this many pixels when the number of instants is chosen. Not a bound on correctness: only on
 /// how finely time is cut there.
 inline constexpr double kNearCrossingMotionPixels = 64;
+
+/// Motion is measured between positions cut to the tile and this many pixels around it: what a vertex does
+/// farther out, as a corner of a floor that comes close to the camera, says nothing about the tile. It
+/// bounds the number of instants too; see kMostMotionPixels. Guarded by `MotionFarOutsideCostsNothing`.
+inline constexpr double kMotionGuardPixels = 1024;
+
+/// The largest motion that a triangle can have by this measure, in pixels: the guarded tile's diagonal.
+inline constexpr double kMostMotionPixels = 3000;
+
+/// A surface that moves in depth can pass another without moving in the picture at all. When instants are
+/// chosen, motion in depth counts as this many pixels at least. Guarded by `Row38WithoutPinnedInstants`.
+inline constexpr double kDepthMotionPixels = 0.5;
 
 }  // namespace shutterline

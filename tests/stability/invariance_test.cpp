@@ -310,6 +310,20 @@ TEST(Invariance, Row35StackedLayers) {
   EXPECT_LE(tile.stats().segments, 100 * tile.stats().lines) << "no early out";
 }
 
+TEST(Invariance, Row38WithoutPinnedInstants) {
+  // A surface that moves in depth alone, and comes in front for the last tenth of the shutter: no pixel of
+  // motion, and still more than one instant.
+  FrameSceneBuilder builder(OrthographicView(32, 32));
+  const auto layer = [](double depth) {
+    return std::array<RasterPoint, 3>{RasterPoint{-50, -50, depth, 1}, RasterPoint{150, -50, depth, 1},
+                                      RasterPoint{50, 150, depth, 1}};
+  };
+  builder.AddRasterTriangle(layer(0.5), {.color = V3f(0, 0, 0)});
+  builder.AddRasterTriangle(layer(0.05), layer(0.55), {.color = V3f(1, 1, 1)});
+  const Image image = Render(builder.Build(), Small(32, 32));
+  EXPECT_NEAR(image.At(16, 16)[0], 0.1, 1.0 / 64);
+}
+
 TEST(Invariance, Row39OrderOfTriangles) {
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -94,6 +94,20 @@ TEST(Envelope, AFoldShowsTheFasterRisingSide) {
   EXPECT_EQ(spans[0].segment, 1u);
 }
 
+TEST(Envelope, TwoOvertakesWithinOneSubpixelShowTheNearer) {
+  // A falls steeply through B and C, which lie close together: both overtake it at the same subpixel.
+  for (const int length : {4, 20, 100, 1000}) {
+    const double from = 8 + 3.0 / kPixel;
+    const std::vector<LineSegment> segments{Make(7, from, from + double(length) / kPixel, 0.9, 0.1),
+                                            Make(2, 0, 32, 0.4997, 0.4997), Make(1, 0, 32, 0.499, 0.499)};
+    const auto spans = March(segments);
+    ASSERT_FALSE(spans.empty());
+    EXPECT_EQ(segments[spans.back().segment].id, 2u) << length;
+    EXPECT_EQ(spans.back().end, 32 * kPixel);
+    for (const VisibleSpan& span : spans) EXPECT_NE(segments[span.segment].id, 1u) << length;
+  }
+}
+
 /// The nearest segment at a subpixel, by looking at all of them.
 std::optional<uint32_t> NearestByBruteForce(const std::vector<LineSegment>& segments, int32_t at,
                                             double* lead) {

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "common/math/tolerance.h"
 #include "tests/support/frame_scene_builder.h"
 #include "worker/engine/visibility/segment.h"
 
@@ -97,6 +98,31 @@ TEST(TileTriangles, LineRangesAreConservative) {
     }
   }
   EXPECT_GT(segments, 10000) << "the scenes show too little to prove anything";
+}
+
+TEST(TileTriangles, MotionFarOutsideCostsNothing) {
+  // Part of a floor whose near corner travels tens of thousands of pixels below the frame, on lines that
+  // see it move by little.
+  FrameSceneBuilder builder(PerspectiveView(96, 96, 1.0, 0.1));
+  const V3d left(-8, -1, -30);
+  const V3d right(8, -1, -30);
+  builder.AddViewTriangle({left, V3d(0, -1, -0.11), right}, {left, V3d(0.05, -1, -0.11), right});
+  const auto frame = builder.Build();
+  ASSERT_GT(frame->primitives[0].motion_pixels, 0);
+  const uint32_t id = 0;
+  const std::vector<PrimitiveTraits> traits(1);
+  TileTriangles tile;
+  SetUpTile(*frame, traits, LinePattern::Get(PatternKind::kRgls), {32, 64, 32, 32}, {&id, 1}, tile);
+  ASSERT_EQ(tile.triangles.size(), 1u);
+  EXPECT_LE(tile.triangles[0].motion_pixels, kMostMotionPixels);
+  // A corner that stays beyond the guarded surroundings does not count at all.
+  FrameSceneBuilder far_off(PerspectiveView(96, 96, 1.0, 0.1));
+  far_off.AddTriangle({Corner{-50000, 40, 1}, Corner{48, 40, 1}, Corner{48, 60, 1}},
+                      {Corner{-20000, 40, 1}, Corner{48, 40, 1}, Corner{48, 60, 1}});
+  const auto other = far_off.Build();
+  SetUpTile(*other, traits, LinePattern::Get(PatternKind::kRgls), {32, 32, 32, 32}, {&id, 1}, tile);
+  ASSERT_EQ(tile.triangles.size(), 1u);
+  EXPECT_LT(tile.triangles[0].motion_pixels, 1);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@ RenderStats& RenderStats::operator+=(const RenderStats& other) {
   segments += other.segments;
   spans += other.spans;
   pairs += other.pairs;
-  clamped_lines += other.clamped_lines;
   cull_seconds += other.cull_seconds;
   setup_seconds += other.setup_seconds;
   resolve_seconds += other.resolve_seconds;

@@ -13,7 +13,6 @@ struct RenderStats {
   int64_t segments = 0;             ///< Triangle segments made on lines.
   int64_t spans = 0;                ///< Visible spans.
   int64_t pairs = 0;                ///< (triangle, pixel) pairs shaded.
-  int64_t clamped_lines = 0;        ///< Lines whose motion asked for more instants than the maximum.
   // Seconds of thread time.
   double cull_seconds = 0;
   double setup_seconds = 0;

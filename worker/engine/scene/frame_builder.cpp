@@ -176,7 +176,8 @@ void FrameBuilder::EvaluateVertices(const Moment& open, const Moment& close, con
                                                          at_close ? *at_close : at_open, points);
       usable_[placed.first_primitive + k] = facts.all_usable;
       primitive.motion_pixels = facts.motion_pixels;
-      primitive.mirrored = at_open.Mirrors(source);
+      // At mid-shutter, as the normals: a node that grows from nothing has no sides at shutter open.
+      primitive.mirrored = (at_middle ? *at_middle : at_open).Mirrors(source);
       if (!primitive.has_normals) continue;
       const MeshPose& normal_pose = at_middle ? *at_middle : at_open;
       tbb::parallel_for(uint32_t{0}, primitive.vertex_count, [&](uint32_t v) {

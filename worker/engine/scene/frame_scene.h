@@ -32,8 +32,9 @@ struct FrameView {
   double FarDepth() const;
 };
 
-/// Largest magnitude of a control point's coordinate: a product of four of them is still finite.
-inline constexpr double kMaxCoordinate = 1e75;
+/// Largest magnitude of a control point's coordinate: a product of six of them, relative to any tile's
+/// corner, is still finite (an edge's crossing multiplies two, each of two clips doubles that and adds two).
+inline constexpr double kMaxCoordinate = 1e44;
 
 /// A mesh primitive placed by a node, in this frame.
 struct FramePrimitive {
@@ -88,7 +89,7 @@ struct FrameScene {
     return control_points[primitive.first_control_point +
                           uint64_t{vertex - primitive.first_vertex} * (primitive.degree + 1) + i];
   }
-  /// A vertex at shutter time t. A static vertex is returned bit for bit, whatever t.
+  /// A vertex at shutter time t. Vertices of degree 0 are returned bit for bit, whatever t.
   RasterPoint VertexAt(const FramePrimitive& primitive, uint32_t vertex, double t) const {
     const RasterPoint& open = ControlPoint(primitive, vertex, 0);
     if (primitive.degree == 0) return open;

@@ -51,8 +51,10 @@ bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const
   for (uint32_t v = 0; v < primitive.positions.size(); ++v) {
     const RasterPoint a = view.RasterFromView(open.Position(primitive, v));
     const RasterPoint b = view.RasterFromView(close.Position(primitive, v));
-    // A vertex that becomes unusable half-way cannot be drawn at either time.
-    if (!(a == b) && IsUsable(a) && IsUsable(b)) return true;
+    // A vertex that becomes unusable half-way counts as moving, so that its triangles are dropped; one that
+    // is unusable at both ends is dropped as it is.
+    if (IsUsable(a) != IsUsable(b)) return true;
+    if (!(a == b) && IsUsable(a)) return true;
   }
   return false;
 }

@@ -46,9 +46,8 @@ int32_t EnvelopeMarcher::OvertakesAt(const LineSegment& a, const LineSegment& b,
 bool EnvelopeMarcher::SoonerChange(std::span<const LineSegment> segments, const Change& a, const Change& b) {
   if (b.to == kNone) return true;
   if (a.at != b.at) return a.at < b.at;
-  const LineSegment& sa = segments[a.to];
-  const LineSegment& sb = segments[b.to];
-  return sa.slope != sb.slope ? sa.slope > sb.slope : sa.id < sb.id;
+  // Both overtake within one subpixel: the one that is nearer there goes on.
+  return IsNearer(segments[a.to], segments[b.to], a.at);
 }
 
 EnvelopeMarcher::Change EnvelopeMarcher::NextOvertake(std::span<const LineSegment> segments, uint32_t current,

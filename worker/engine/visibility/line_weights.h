@@ -22,6 +22,9 @@ class LineWeights {
   /// Adds the span [begin, end) (subpixels) of triangle `index` with a weight per subpixel.
   void Add(uint32_t index, int32_t begin, int32_t end, uint64_t weight);
 
+  /// True once so many triangles are held that it is time to flush, before their buffers fill memory.
+  bool Full() const { return slots_.size() >= 1024; }
+
   /// Calls flush(index, step, weight) for every step of the line in which a triangle has weight, in the
   /// order in which triangles first came, and forgets all.
   template <typename Flush>

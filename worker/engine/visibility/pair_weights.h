@@ -1,7 +1,10 @@
 #pragma once
 
+#include <absl/container/flat_hash_map.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "common/job/tile.h"
@@ -29,8 +32,9 @@ class PairWeights {
   /// Empties, for a tile of `pixels` pixels whose every pixel has the weight `total`.
   void Reset(int64_t pixels, uint64_t total);
 
-  /// Adds a piece's weight to its pair; `piece.b1` and `piece.b2` are the mean barycentric coordinates of
-  /// the piece, not yet weighted (zeros where they are not wanted). `pixel` counts in rows within the tile.
+  /// Adds a piece's weight to its pair; `piece.b1` and `piece.b2` are the barycentric coordinates of the
+  /// piece's middle, not yet weighted (zeros where they are not wanted). `pixel` counts in rows within the
+  /// tile.
   void Add(int64_t pixel, const PixelPair& piece);
 
   uint64_t total() const { return total_; }
@@ -43,8 +47,17 @@ class PairWeights {
   }
 
  private:
+  /// A pixel with more pairs than this has them in a hash table: hostile scenes put a million into one.
+  static constexpr uint32_t kLongestSearch = 32;
+
+  /// The pair that `piece` belongs to, 0 if there is none yet.
+  uint32_t Find(int64_t pixel, const PixelPair& piece) const;
+  uint32_t Append(int64_t pixel, const PixelPair& piece);
+
   std::vector<uint32_t> first_;   // By pixel: index into pairs_, 0: none.
   std::vector<PixelPair> pairs_;  // Entry 0 is unused.
+  std::vector<uint32_t> length_;  // By pixel: its number of pairs.
+  absl::flat_hash_map<std::tuple<int64_t, uint32_t, uint16_t>, uint32_t> index_;  // Of long lists.
   uint64_t total_ = 0;
 };
 

@@ -54,6 +54,10 @@ class TileResolution {
     } else {
       ResolveInstants();
     }
+    FlushLine();
+  }
+
+  void FlushLine() {
     line_weights_.ForEachAndClear([&](uint32_t index, int step, uint64_t weight) {
       weights_.Add(PixelOf(step), {.triangle = tile_.triangles[index].id, .weight = weight});
     });
@@ -89,9 +93,7 @@ class TileResolution {
   }
 
   void ResolveInstants() {
-    bool clamped = false;
-    const int64_t instants = time_samples_.InstantsFor(motion_pixels_, &clamped);
-    stats_.clamped_lines += clamped;
+    const int64_t instants = time_samples_.InstantsFor(motion_pixels_);
     stats_.instants += instants;
     const auto weight = uint64_t(time_samples_.WeightOf(instants));
     int64_t at_rest = 0;
@@ -154,6 +156,7 @@ class TileResolution {
         AccumulateWithPosition(envelope, span, t, weight);
       } else {
         line_weights_.Add(index, span.begin, span.end, weight);
+        if (line_weights_.Full()) FlushLine();
       }
     }
   }

@@ -93,6 +93,8 @@ bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth,
   // Clip at the near and the far plane, in homogeneous coordinates.
   if (triangle.crosses_near) {
     if (!Clip(from_next, from_prev, [](const Crossing& c) { return c.w - c.z; })) return false;
+    // On the near plane w = z: said so, because w may have cancelled where z has not.
+    for (Crossing* c : {&from_next, &from_prev}) c->w = std::max(c->w, c->z);
     if (!Clip(from_next, from_prev, [&](const Crossing& c) { return c.z - far_depth * c.w; })) return false;
     if (from_next.w <= 0 || from_prev.w <= 0) return false;
   }
@@ -100,7 +102,7 @@ bool MakeSegment(const TileTriangle& triangle, uint32_t index, double far_depth,
   // Project, and see which way the triangle faces from the order of its two edges on the line.
   const double l_next = from_next.g / from_next.w;
   const double l_prev = from_prev.g / from_prev.w;
-  if (!(l_next != l_prev)) return false;
+  if (!(l_next < l_prev || l_next > l_prev)) return false;
   const bool next_first = l_next < l_prev;
   if (triangle.cull_back && (next_first == (positive[lone] == line.major_is_x))) return false;
   const Crossing& first = next_first ? from_next : from_prev;

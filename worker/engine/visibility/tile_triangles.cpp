@@ -50,6 +50,24 @@ bool BoundTime(const TileTriangles& tile, TileTriangle& triangle) {
   return triangle.t_in <= triangle.t_out;
 }
 
+/// How far vertices move over the shutter, as far as the tile can tell; it decides how finely time is cut.
+double MotionPixels(const TileTriangles& tile, const TileTriangle& triangle, bool in_front) {
+  double motion = in_front ? 0 : kNearCrossingMotionPixels;
+  const auto guarded = [](double position, int size) {
+    return std::clamp(position, -kMotionGuardPixels, size + kMotionGuardPixels);
+  };
+  for (int i = 0; i < 3; ++i) {
+    const RasterPoint& a = triangle.open[i];
+    const RasterPoint& b = triangle.close[i];
+    if (a.w < a.z || b.w < b.z) continue;
+    motion = std::max(
+        motion, std::hypot(guarded(b.x / b.w, tile.rect.width) - guarded(a.x / a.w, tile.rect.width),
+                           guarded(b.y / b.w, tile.rect.height) - guarded(a.y / a.w, tile.rect.height)));
+    if (a.z / a.w != b.z / b.w) motion = std::max(motion, kDepthMotionPixels);
+  }
+  return motion;
+}
+
 /// Bounds depth, motion and line numbers from the projected control points: a point of the moving
 /// triangle is a convex combination of them, and so, while w > 0, is its projection.
 void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, TileTriangle& triangle) {
@@ -68,16 +86,7 @@ void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, Tile
   }
   triangle.nearest_depth = (in_front ? nearest : 1.0) * kDepthSlack;
 
-  double motion = in_front ? 0 : kNearCrossingMotionPixels;
-  if (triangle.moves) {
-    for (int i = 0; i < 3; ++i) {
-      const RasterPoint& a = triangle.open[i];
-      const RasterPoint& b = triangle.close[i];
-      if (a.w < a.z || b.w < b.z) continue;
-      motion = std::max(motion, std::hypot(b.x / b.w - a.x / a.w, b.y / b.w - a.y / a.w));
-    }
-    triangle.motion_pixels = motion;
-  }
+  if (triangle.moves) triangle.motion_pixels = MotionPixels(tile, triangle, in_front);
 
   for (int f = 0; f < int(pattern.families().size()); ++f) {
     const LineFamily& family = pattern.families()[f];
@@ -89,19 +98,23 @@ void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, Tile
     const double intercept_0 = family.offset + family.slope * major_corner - minor_corner;
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
+    double rounding = 0;
     for (int e = 0; e < ends; ++e) {
       for (const RasterPoint& p : e == 0 ? triangle.open : triangle.close) {
         const double major = (family.major_is_x ? p.x : p.y) / p.w;
         const double minor = (family.major_is_x ? p.y : p.x) / p.w;
         const double number = (minor - family.slope * major - intercept_0) / family.spacing;
+        rounding = std::max(rounding, 1e-15 * (std::abs(major) + std::abs(minor)) / family.spacing);
         low = std::min(low, number);
         high = std::max(high, number);
       }
     }
     // Numbers beyond any raster are cut before they are made integers.
     constexpr double kBeyond = 1e9;
-    triangle.first_line[f] = int64_t(std::ceil(std::clamp(low, -kBeyond, kBeyond) - kLineRangeSlack));
-    triangle.last_line[f] = int64_t(std::floor(std::clamp(high, -kBeyond, kBeyond) + kLineRangeSlack));
+    triangle.first_line[f] =
+        int64_t(std::ceil(std::clamp(low, -kBeyond, kBeyond) - kLineRangeSlack - rounding));
+    triangle.last_line[f] =
+        int64_t(std::floor(std::clamp(high, -kBeyond, kBeyond) + kLineRangeSlack + rounding));
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/check.h"
+
 namespace shutterline::engine {
 
 TimeSamples::TimeSamples(const RenderSettings& settings)
@@ -10,7 +12,7 @@ TimeSamples::TimeSamples(const RenderSettings& settings)
       pinned_(settings.time_samples),
       weight_per_line_(settings.time_samples ? *settings.time_samples : int64_t{1} << kMaxLog2) {}
 
-int64_t TimeSamples::InstantsFor(double motion_pixels, bool* clamped) const {
+int64_t TimeSamples::InstantsFor(double motion_pixels) const {
   if (pinned_) return *pinned_;
   // Error falls with the number of instants and does not grow with motion once that exceeds a pixel
   // (docs/math/line_samples.md), hence a floor; below half a pixel of motion it falls with the motion.
@@ -18,7 +20,7 @@ int64_t TimeSamples::InstantsFor(double motion_pixels, bool* clamped) const {
   const double wanted = std::max(motion_pixels, floor) / time_step_;
   int log2 = 0;
   while (log2 < kMaxLog2 && double(int64_t{1} << log2) < wanted) ++log2;
-  *clamped |= double(int64_t{1} << log2) < wanted;
+  SL_CHECK(double(int64_t{1} << log2) >= wanted);
   return int64_t{1} << log2;
 }
 
