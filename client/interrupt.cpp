@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,9 +16,22 @@ namespace {
 
 /// The write end of the watcher's pipe: all that a signal handler may touch.
 volatile int signal_pipe = -1;
+/// When the first signal came, seconds of the monotonic clock; 0: none yet.
+volatile time_t first_signal = 0;
 
-extern "C" void OnSignal(int) {
+extern "C" void OnSignal(int signal) {
   const int saved = errno;
+  struct timespec now {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (first_signal == 0) {
+    first_signal = now.tv_sec;
+  } else if (now.tv_sec - first_signal >= 2) {
+    // A second wish, not the echo of the first: `timeout` and shells signal a program and its group.
+    struct sigaction fall_back {};
+    fall_back.sa_handler = SIG_DFL;
+    sigaction(signal, &fall_back, nullptr);
+    raise(signal);
+  }
   const char byte = 's';
   // A full pipe means that the wish is known already.
   [[maybe_unused]] const ssize_t written = write(signal_pipe, &byte, 1);
@@ -80,8 +94,8 @@ SignalInterrupt::SignalInterrupt(Interrupt& interrupt) : watcher_(std::make_uniq
   });
   struct sigaction action {};
   action.sa_handler = OnSignal;
-  // The kernel takes the handler back after its first run, so that a second signal ends the process.
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  action.sa_flags = SA_RESTART;
+  first_signal = 0;
   sigaction(SIGINT, &action, &watcher_->old_int);
   sigaction(SIGTERM, &action, &watcher_->old_term);
 }

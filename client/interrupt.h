@@ -43,8 +43,8 @@ class Interrupt {
   std::map<const Guard*, std::function<void()>> actions_ ABSL_GUARDED_BY(mutex_);
 };
 
-/// While it lives, the first SIGINT or SIGTERM raises `interrupt` and a second one ends the process as if
-/// it had not been handled. One at a time in a process.
+/// While it lives, the first SIGINT or SIGTERM raises `interrupt` and a second one, two seconds later or
+/// more, ends the process as if it had not been handled. One at a time in a process.
 class SignalInterrupt {
  public:
   explicit SignalInterrupt(Interrupt& interrupt);

@@ -78,11 +78,19 @@ int main(int argc, char** argv) {
   options.config.listen = "127.0.0.1:7400";
   CLI::App app{"The coordinator of a Shutterline farm.", "shutterline-server"};
   Declare(app, options);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (options.config.listen.empty()) {
+    std::fprintf(stderr, "shutterline-server: --listen is empty, but must be HOST:PORT\n");
+    return 2;
+  }
   const absl::Status log = shutterline::SetUpLog("server", options.log_level);
   if (!log.ok()) {
     std::fprintf(stderr, "shutterline-server: %s\n", std::string(log.message()).c_str());
-    return 1;
+    return 2;
   }
   return Serve(options);
 }

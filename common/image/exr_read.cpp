@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <vector>
@@ -166,6 +167,13 @@ absl::StatusOr<Image> DecodeExr(absl::string_view bytes, const std::string& name
 }
 
 absl::StatusOr<Image> ReadExr(const std::string& path, ExrMetadata* metadata, const ExrLimits& limits) {
+  // Asked before it is opened: opening a pipe waits for its other end.
+  std::error_code error;
+  const auto kind = std::filesystem::status(path, error).type();
+  if (kind != std::filesystem::file_type::regular && kind != std::filesystem::file_type::not_found &&
+      !error) {
+    return absl::InvalidArgumentError(absl::StrCat("read ", path, ": not a regular file"));
+  }
   errno = 0;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return absl::ErrnoToStatus(errno, absl::StrCat("read ", path, ": cannot open"));

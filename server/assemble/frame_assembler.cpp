@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstring>
+#include <new>
 
 #include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
@@ -24,26 +25,8 @@ void Paste(absl::string_view rgba, const TileRect& rect, Image& image) {
   }
 }
 
-}  // namespace
-
-std::string DescribeSettings(const RenderSettings& s) {
-  std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
-                                  " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
-  if (s.integrator == IntegratorKind::kLine) {
-    absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
-    if (s.time_samples) {
-      absl::StrAppend(&text, " time_samples=", *s.time_samples);
-    } else {
-      absl::StrAppend(&text, " time_step=", s.time_step);
-    }
-  } else {
-    absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);
-  }
-  return text;
-}
-
-absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const std::string& path) {
+absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
+                                        const JobSpec& spec, const std::string& path) {
   const TileGrid grid{spec.render.width, spec.render.height};
   Image image(grid.width, grid.height);
   AssembledFrame result;
@@ -71,6 +54,35 @@ absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const T
   result.digest = Sha256(bytes);
   result.size = bytes.size();
   return result;
+}
+
+}  // namespace
+
+std::string DescribeSettings(const RenderSettings& s) {
+  std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
+                                  " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
+  if (s.integrator == IntegratorKind::kLine) {
+    absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
+    if (s.time_samples) {
+      absl::StrAppend(&text, " time_samples=", *s.time_samples);
+    } else {
+      absl::StrAppend(&text, " time_step=", s.time_step);
+    }
+  } else {
+    absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);
+  }
+  return text;
+}
+
+absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
+                                             const JobSpec& spec, const std::string& path) {
+  try {
+    return Assemble(journal, key, spec, path);
+  } catch (const std::bad_alloc&) {
+    // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "assemble ", path, ": out of memory for ", spec.render.width, " x ", spec.render.height, " pixels"));
+  }
 }
 
 }  // namespace shutterline::server
