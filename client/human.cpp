@@ -18,7 +18,7 @@ std::string HumanBytes(uint64_t bytes) {
     value /= 1000;
     ++unit;
   }
-  return absl::StrFormat(value < 9.95 ? "%.1f %s" : "%.0f %s", value, units[unit]);
+  return absl::StrFormat("%.*f %s", value < 9.95 ? 1 : 0, value, units[unit]);
 }
 
 std::string ShortDuration(absl::Duration duration) {
