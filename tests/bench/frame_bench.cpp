@@ -26,6 +26,7 @@ struct Options {
   double shutter_close = 0.5, fps = 24, time_step = 1;
   int time_samples = 0;
   std::vector<int> ladder;
+  std::vector<int> window;
   bool flat = false;
 };
 
@@ -65,7 +66,16 @@ void PrintError(const char* name, const Image& image, const Image& a, const Imag
   }
 }
 
+FrameOptions HowToRender(const Options& options) {
+  FrameOptions how{.threads = options.threads};
+  if (options.window.size() == 4) {
+    how.window = TileRect{options.window[0], options.window[1], options.window[2], options.window[3]};
+  }
+  return how;
+}
+
 int Run(const Options& options) {
+  const FrameOptions how = HowToRender(options);
   std::shared_ptr<const Scene> scene = OrExit(LoadTestScene(options.scene));
   if (options.flat) scene = WithFlatColors(*scene);
   RenderSettings settings;
@@ -86,7 +96,7 @@ int Run(const Options& options) {
 
   RenderedFrame line;
   for (int i = 0; i < options.repeats; ++i) {
-    line = OrExit(RenderFrame(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
+    line = OrExit(RenderFrame(scene, options.frame, settings, how));
     PrintStages("line", line);
   }
   for (const std::string& warning : line.warnings) std::printf("warning: %s\n", warning.c_str());
@@ -101,21 +111,17 @@ int Run(const Options& options) {
   reference.integrator = IntegratorKind::kReference;
   reference.spp = options.half_spp;
   reference.seed = 101;
-  const RenderedFrame a =
-      OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
+  const RenderedFrame a = OrExit(RenderFrame(scene, options.frame, reference, how));
   reference.seed = 202;
-  const RenderedFrame b =
-      OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
+  const RenderedFrame b = OrExit(RenderFrame(scene, options.frame, reference, how));
   PrintStages("reference, one half", a);
-  const auto moving =
-      OrExit(MaskMotion(scene, options.frame, settings, FrameOptions{.threads = options.threads}));
+  const auto moving = OrExit(MaskMotion(scene, options.frame, settings, how));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
   for (const int spp : options.ladder) {
     reference.spp = spp;
     reference.seed = 303;
-    const RenderedFrame rival =
-        OrExit(RenderFrame(scene, options.frame, reference, FrameOptions{.threads = options.threads}));
+    const RenderedFrame rival = OrExit(RenderFrame(scene, options.frame, reference, how));
     const std::string name = "reference, " + std::to_string(spp) + " spp";
     PrintStages(name.c_str(), rival);
     PrintError(name.c_str(), rival.image, a.image, b.image, moving);
@@ -137,6 +143,7 @@ int main(int argc, char** argv) {
   app.add_option("--shutter-close", o.shutter_close, "Frames");
   app.add_option("--camera", o.camera, "Name or index");
   app.add_option("--animation", o.animation, "Name, index, all or none");
+  app.add_option("--window", o.window, "Only this part of the frame: x, y, width, height")->expected(4);
   app.add_option("--pattern", o.pattern, "1h1v, 2h2v, 4h4v or rgls");
   app.add_option("--time-step", o.time_step, "Pixels of motion an instant");
   app.add_option("--time-samples", o.time_samples, "Instants on every moving line; 0: by motion");
