@@ -46,4 +46,15 @@ inline constexpr double kMostMotionPixels = 3000;
 /// chosen, motion in depth counts as this many pixels at least. Guarded by `Row38WithoutPinnedInstants`.
 inline constexpr double kDepthMotionPixels = 0.5;
 
+/// A primitive's motion is represented by curves that stay this close to the true path at every time that
+/// is checked: pixels, and depth as a fraction of the distance from the camera (orthographic: of the depth
+/// range). A twentieth of a pixel moves a pixel's coverage by less than 8-bit pictures can show. Guarded by
+/// `CurvesStayWithinTolerance`.
+inline constexpr double kPathPixels = 0.05;
+inline constexpr double kPathDepth = 1e-4;
+
+/// Where a method takes motion as straight pieces, these stay this close to the curve, pixels. Guarded by
+/// `LinearPiecesFollowTheCurve`.
+inline constexpr double kChordPixels = 0.02;
+
 }  // namespace shutterline

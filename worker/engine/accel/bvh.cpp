@@ -58,7 +58,7 @@ ViewBounds SweptBounds(const FrameScene& frame, const FrameTriangle& triangle, d
   V3d lower(kInfinity), upper(-kInfinity);
   const FramePrimitive& primitive = frame.primitives[triangle.primitive];
   for (const uint32_t vertex : triangle.vertices) {
-    for (int i = 0; i <= primitive.degree; ++i) {
+    for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
       const RasterPoint& control_point = frame.ControlPoint(primitive, vertex, i);
       const V3d p = frame.view.ViewFromRaster(control_point);
       const V3d error = InverseError(frame.view, control_point);

@@ -76,7 +76,7 @@ bool TileFrustum::MayContain(const FrameScene& frame, const FrameTriangle& trian
   const FramePrimitive& primitive = frame.primitives[triangle.primitive];
   unsigned outside_of_all = ~0u;
   for (const uint32_t vertex : triangle.vertices) {
-    for (int i = 0; i <= primitive.degree; ++i) {
+    for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
       outside_of_all &= outside_of(frame.ControlPoint(primitive, vertex, i));
       if (outside_of_all == 0) return true;
     }

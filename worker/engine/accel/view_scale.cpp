@@ -10,7 +10,7 @@ double ViewScale(const FrameScene& frame) {
   for (const FrameTriangle& triangle : frame.triangles) {
     const FramePrimitive& primitive = frame.primitives[triangle.primitive];
     for (const uint32_t vertex : triangle.vertices) {
-      for (int i = 0; i <= primitive.degree; ++i) {
+      for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
         const V3d p = frame.view.ViewFromRaster(frame.ControlPoint(primitive, vertex, i));
         largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
       }

@@ -191,7 +191,7 @@ void FrameBuilder::MakeTriangles() {
   std::vector<FramePrimitive>& primitives = frame_->primitives;
   const auto is_usable = [&](const FramePrimitive& primitive, const std::array<uint32_t, 3>& triangle) {
     for (const uint32_t corner : triangle) {
-      for (int i = 0; i <= primitive.degree; ++i) {
+      for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
         if (!IsUsable(frame_->ControlPoint(primitive, primitive.first_vertex + corner, i))) return false;
       }
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/job/render_settings.h"
+#include "common/math/bezier.h"
 #include "common/math/spaces.h"
 #include "worker/engine/scene/scene.h"
 
@@ -36,6 +37,11 @@ struct FrameView {
 /// corner, is still finite (an edge's crossing multiplies two, each of two clips doubles that and adds two).
 inline constexpr double kMaxCoordinate = 1e44;
 
+inline constexpr int kMaxMotionDegree = kMaxBezierDegree;
+/// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
+inline constexpr int kMaxMotionPieces = 64;
+inline constexpr int kMaxLinearPieces = 128;
+
 /// A mesh primitive placed by a node, in this frame.
 struct FramePrimitive {
   const MeshPrimitive* source = nullptr;  ///< Texture coordinates, colours; owned by the Scene.
@@ -43,10 +49,20 @@ struct FramePrimitive {
   int node = -1;
   uint32_t first_triangle = 0, triangle_count = 0;  ///< In FrameScene::triangles.
   uint32_t first_vertex = 0, vertex_count = 0;      ///< Vertices are numbered through all primitives.
-  /// Degree of motion, 0 or 1. Vertex v's control points are
-  /// control_points[first_control_point + (v - first_vertex) * (degree + 1) + i], i = 0..degree.
+  /// Degree of motion, 0 to kMaxMotionDegree, and the number of equal pieces of the shutter, a power of two
+  /// up to kMaxMotionPieces (1 where the degree is 0), on each of which the motion is one Bezier curve.
+  /// Vertex v's control points are PointsPerVertex() in a row, from
+  /// control_points[first_control_point + (v - first_vertex) * PointsPerVertex()]. Piece s, over shutter
+  /// time [s / pieces, (s + 1) / pieces], has points s * degree to s * degree + degree: the last point of a
+  /// piece is the first of the next, so paths have no gaps. Primitives of one placed mesh that move have
+  /// the same degree and pieces, so what they share stays shared.
   int degree = 0;
+  int pieces = 1;
   uint64_t first_control_point = 0;
+  /// The shutter cut into so many equal spans, a power of two and at least `pieces` (1 for degree 0 and
+  /// where pieces are straight): on straight paths between their ends every vertex stays within
+  /// kChordPixels (tolerance.h) of its curve. Not more than kMaxLinearPieces, whatever that leaves.
+  int linear_pieces = 1;
   /// The node mirrors: triangles are counter-clockwise in raster space (y up) after their corners have
   /// been swapped at build; kept for reports.
   bool mirrored = false;
@@ -59,6 +75,9 @@ struct FramePrimitive {
   /// Largest path length of a vertex over the shutter, pixels; infinity if one is behind the near plane at
   /// shutter open or close. 0 for degree 0, wherever the vertices are.
   double motion_pixels = 0;
+
+  int PointsPerVertex() const { return pieces * degree + 1; }
+  CurvePosition PositionAt(double t) const { return CurvePositionAt(pieces, t); }
 };
 
 struct FrameTriangle {
@@ -86,15 +105,20 @@ struct FrameScene {
   int64_t dropped_triangles = 0;
 
   const RasterPoint& ControlPoint(const FramePrimitive& primitive, uint32_t vertex, int i) const {
-    return control_points[primitive.first_control_point +
-                          uint64_t{vertex - primitive.first_vertex} * (primitive.degree + 1) + i];
+    return ControlPoints(primitive, vertex)[i];
   }
-  /// A vertex at shutter time t. Vertices of degree 0 are returned bit for bit, whatever t.
+  /// The PointsPerVertex() control points of a vertex.
+  const RasterPoint* ControlPoints(const FramePrimitive& primitive, uint32_t vertex) const {
+    return &control_points[primitive.first_control_point +
+                           uint64_t{vertex - primitive.first_vertex} * uint64_t(primitive.PointsPerVertex())];
+  }
+  /// A vertex at shutter time t in [0, 1]: exactly a piece's end point at its ends. Vertices of degree 0 and
+  /// vertices at rest on a curve are returned bit for bit, whatever t.
   RasterPoint VertexAt(const FramePrimitive& primitive, uint32_t vertex, double t) const {
-    const RasterPoint& open = ControlPoint(primitive, vertex, 0);
-    if (primitive.degree == 0) return open;
-    const RasterPoint& close = ControlPoint(primitive, vertex, 1);
-    return (1 - t) * open + t * close;
+    const RasterPoint* points = ControlPoints(primitive, vertex);
+    if (primitive.degree == 0) return *points;
+    const CurvePosition at = primitive.PositionAt(t);
+    return BezierPoint(points + at.piece * primitive.degree, primitive.degree, at.u);
   }
 };
 
