@@ -23,6 +23,7 @@ struct Options {
   int threads = 1;
   int repeats = 1;
   int half_spp = 0;
+  int only_reference = 0;
   double shutter_close = 0.5, fps = 24, time_step = 1;
   int time_samples = 0;
   std::vector<int> ladder;
@@ -94,6 +95,14 @@ int Run(const Options& options) {
   }
   settings.pattern = *pattern;
 
+  if (options.only_reference > 0) {
+    settings.integrator = IntegratorKind::kReference;
+    settings.spp = options.only_reference;
+    const RenderedFrame f = OrExit(RenderFrame(scene, options.frame, settings, how));
+    PrintStages("reference", f);
+    if (!options.save.empty()) (void)WritePng(options.save + ".png", f.image);
+    return 0;
+  }
   RenderedFrame line;
   for (int i = 0; i < options.repeats; ++i) {
     line = OrExit(RenderFrame(scene, options.frame, settings, how));
@@ -150,6 +159,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", o.threads, "Threads");
   app.add_option("--repeats", o.repeats, "How often the line integrator renders");
   app.add_option("--half-spp", o.half_spp, "Points a pixel of each half of the reference; 0: no reference");
+  app.add_option("--only-reference", o.only_reference, "Nothing but the reference, at these points a pixel");
   app.add_option("--ladder", o.ladder, "Also time the reference at these points a pixel");
   app.add_flag("--flat", o.flat, "Unlit flat colours instead of the scene's materials");
   app.add_option("--save", o.save, "Prefix of pictures to write");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/check.h"
+
 namespace shutterline::scenes {
 namespace {
 
@@ -37,6 +39,18 @@ Channel SwingWeight(int node) {
   for (int leg = 0; leg * kLegFrames <= kAnimatedFrames; ++leg) {
     channel.times.push_back(LegTime(leg));
     channel.values.push_back(leg % 2 == 0 ? 0.0f : 1.0f);
+  }
+  return channel;
+}
+
+Channel SwingRotation(int node, const V3f& axis, double degrees_per_shutter, const Imath::Quatf& base) {
+  SL_CHECK(std::abs(degrees_per_shutter) * kLegShutters < 180);
+  Channel channel{node, Path::kRotation, {}, {}};
+  for (int leg = 0; leg * kLegFrames <= kAnimatedFrames; ++leg) {
+    const double side = leg % 2 == 0 ? -1 : 1;
+    const Imath::Quatf turn = Turn(axis, degrees_per_shutter * side * kLegShutters / 2) * base;
+    channel.times.push_back(LegTime(leg));
+    channel.values.insert(channel.values.end(), {turn.v.x, turn.v.y, turn.v.z, turn.r});
   }
   return channel;
 }

@@ -26,6 +26,10 @@ Channel SwingTranslation(int node, const V3f& centre, const V3f& per_shutter);
 Channel SwingWeight(int node);
 inline constexpr double kLegShutters = 4;
 
+/// The same for a rotation: `base`, turned back and forth about `axis` (unit) of the parent's space by
+/// `degrees_per_shutter` over the default shutter; below 45, so that a leg is less than half a turn.
+Channel SwingRotation(int node, const V3f& axis, double degrees_per_shutter, const Imath::Quatf& base);
+
 /// A rotation about `axis` (unit) at a constant rate, with keys at most 45 degrees apart, so that the
 /// short way between two keys is the way meant.
 Channel Spin(int node, const V3f& axis, double start_degrees, double degrees_per_shutter);

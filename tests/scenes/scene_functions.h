@@ -11,6 +11,10 @@ GlbScene MakeFan(const SceneOptions& options);
 GlbScene MakeDebris(const SceneOptions& options);
 GlbScene MakeTrees(const SceneOptions& options);
 GlbScene MakeStatic(const SceneOptions& options);
+GlbScene MakeChess(const SceneOptions& options);
+GlbScene MakeArmadillo(const SceneOptions& options);
+GlbScene MakeClothBall(const SceneOptions& options);
+GlbScene MakeHall(const SceneOptions& options);
 GlbScene MakeDemo(const SceneOptions& options);
 
 }  // namespace shutterline::scenes

@@ -11,7 +11,8 @@
 #include "tests/scenes/glb_scene.h"
 
 /// Scenes that anyone can generate again, for tests, benchmarks and the demonstration. All have a camera;
-/// all but `demo` have unlit flat colours, so that a picture's error is visibility's alone. Speeds refer to
+/// plane, fan, debris, trees and static have unlit flat colours, so that a picture's error is visibility's
+/// alone; armadillo and clothball have unlit vertex colours; chess, hall and demo are lit. Speeds refer to
 /// frames of 1024 × 768 pixels at 24 frames a second with the shutter open from 0 to 0.5 frames, and hold
 /// in every frame from 0 to 23. Equal names and options give equal bytes.
 namespace shutterline::scenes {

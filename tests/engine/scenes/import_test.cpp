@@ -59,7 +59,9 @@ TEST_P(Moving, MovesAsPromised) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Imported, testing::Values("plane", "fan", "debris", "trees", "static", "demo"),
+INSTANTIATE_TEST_SUITE_P(All, Imported,
+                         testing::Values("plane", "fan", "debris", "trees", "static", "chess", "armadillo",
+                                         "clothball", "hall", "demo"),
                          [](const auto& scene) { return scene.param; });
 
 INSTANTIATE_TEST_SUITE_P(All, Moving, testing::Values("plane", "fan", "debris", "trees", "static"),

@@ -21,6 +21,11 @@ TEST(Scenes, TrianglesArePromised) {
   EXPECT_EQ(GenerateScene("debris")->DrawnTriangles(), 5000);
   EXPECT_EQ(GenerateScene("trees")->DrawnTriangles(), 270000 + 512);
   EXPECT_EQ(GenerateScene("static")->DrawnTriangles(), 100000);
+  // The papers' scenes have 29,068, 88,120, about 92,230 and 66,450.
+  EXPECT_NEAR(double(GenerateScene("chess")->DrawnTriangles()), 29068, 0.02 * 29068);
+  EXPECT_NEAR(double(GenerateScene("armadillo")->DrawnTriangles()), 88120, 0.01 * 88120);
+  EXPECT_EQ(GenerateScene("clothball")->DrawnTriangles(), 2 * (196 * 196 + 84 * 64 + 48 * 48));
+  EXPECT_NEAR(double(GenerateScene("hall")->DrawnTriangles()), 66450, 0.02 * 66450);
   const int64_t demo = GenerateScene("demo")->DrawnTriangles();
   EXPECT_GE(demo, 10000);
   EXPECT_LE(demo, 25000);
@@ -122,6 +127,49 @@ TEST(Scenes, FanTurnsThirtyDegreesAndWrapsNowhere) {
     const double shutters = (double(channel.times[k]) - channel.times[k - 1]) / kShutterSeconds;
     EXPECT_NEAR(degrees / shutters, 30, 0.01);
   }
+}
+
+/// Degrees of a shutter that two neighbouring keys of a rotation are apart.
+double DegreesAShutter(const Channel& channel, size_t key) {
+  double dot = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    dot += double(channel.values[4 * key + i]) * double(channel.values[4 * key + 4 + i]);
+  }
+  const double degrees = 2 * std::acos(std::min(1.0, std::abs(dot))) * 180 / M_PI;
+  return degrees * kShutterSeconds / (double(channel.times[key + 1]) - channel.times[key]);
+}
+
+TEST(Scenes, ClothTurnsByAnEighthOfATurnAndHallPansBy32Pixels) {
+  const GlbScene cloth = GenerateScene("clothball").value();
+  const GlbScene hall = GenerateScene("hall").value();
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(DegreesAShutter(OnlyChannel(cloth), k), 45, 0.01);
+    const double radians = DegreesAShutter(OnlyChannel(hall), k) * M_PI / 180;
+    EXPECT_NEAR(radians * PixelsPerMetre(hall.cameras[0].yfov, 1), 32, 0.01);
+  }
+}
+
+/// Taken together, the pieces have every triangle, and every piece flies.
+TEST(Scenes, ArmadilloFliesInPieces) {
+  const GlbScene scene = GenerateScene("armadillo").value();
+  size_t pieces = 0;
+  for (const Node& node : scene.nodes) pieces += node.name == "piece";
+  EXPECT_GT(pieces, 100u);
+  EXPECT_EQ(scene.channels.size(), 2 * pieces);
+}
+
+TEST(Scenes, SwingRotationTurnsAboutItsAxisBackAndForth) {
+  const Imath::Quatf base = Turn(V3f(1, 0, 0), 50);
+  const Channel channel = SwingRotation(3, V3f(0, 1, 0), 10, base);
+  EXPECT_NEAR(DegreesAShutter(channel, 0), 10, 1e-3);
+  const auto key = [&](size_t k) {
+    const float* q = &channel.values[4 * k];
+    return Imath::Quatf(q[3], q[0], q[1], q[2]);
+  };
+  const V3f p(0.3f, -0.2f, 0.9f);
+  EXPECT_LT((key(1).rotateVector(p) - Turn(V3f(0, 1, 0), 20).rotateVector(base.rotateVector(p))).length(),
+            1e-5f);
+  EXPECT_LT((key(0).rotateVector(p) - key(2).rotateVector(p)).length(), 1e-6f);
 }
 
 TEST(Scenes, DebrisStaysBelowItsFastest) {
