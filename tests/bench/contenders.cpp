@@ -1,0 +1,85 @@
+#include "tests/bench/contenders.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <optional>
+
+#include "tests/bench/svg_plot.h"
+
+namespace shutterline::bench {
+namespace {
+
+/// Lines with a pinned number of instants.
+Rung Lines(PatternKind pattern, int instants, ResolverKind resolver) {
+  return {absl::StrCat(std::string(ToString(pattern)), ", ", instants, " instants"), [=](RenderSettings& s) {
+            s.integrator = IntegratorKind::kLine;
+            s.resolver = resolver;
+            s.pattern = pattern;
+            s.time_samples = instants;
+          }};
+}
+
+Rung Defaults(ResolverKind resolver) {
+  return {"defaults", [=](RenderSettings& s) {
+            s.integrator = IntegratorKind::kLine;
+            s.resolver = resolver;
+          }};
+}
+
+Contender Slice(bool quick) {
+  Contender slice{
+      .name = "line/slice", .color = PlotColors()[0], .ours = true, .random = false, .ladder = {}};
+  const ResolverKind kind = ResolverKind::kSlice;
+  slice.ladder.push_back(Lines(PatternKind::k1h1v, 4, kind));
+  slice.ladder.push_back(Lines(PatternKind::k1h1v, 16, kind));
+  slice.ladder.push_back(Lines(PatternKind::kRgls, 8, kind));
+  if (!quick) slice.ladder.push_back(Lines(PatternKind::kRgls, 16, kind));
+  slice.ladder.push_back(Lines(PatternKind::kRgls, 32, kind));
+  slice.default_rung = int(slice.ladder.size());
+  slice.ladder.push_back(Defaults(kind));
+  slice.ladder.push_back(Lines(PatternKind::k4h4v, 32, kind));
+  if (!quick) slice.ladder.push_back(Lines(PatternKind::k4h4v, 128, kind));
+  return slice;
+}
+
+std::optional<Contender> Paper() {
+  const auto kind = ParseResolver("paper");
+  if (!kind) return std::nullopt;
+  Contender paper{
+      .name = "line/paper", .color = PlotColors()[3], .ours = true, .random = false, .ladder = {}};
+  for (const PatternKind pattern : {PatternKind::k1h1v, PatternKind::kRgls}) {
+    paper.ladder.push_back({std::string(ToString(pattern)), [=](RenderSettings& s) {
+                              s.integrator = IntegratorKind::kLine;
+                              s.resolver = *kind;
+                              s.pattern = pattern;
+                            }});
+  }
+  paper.default_rung = 1;
+  return paper;
+}
+
+std::optional<Contender> Points(const std::string& integrator, const std::string& color, bool quick) {
+  const auto kind = ParseIntegrator(integrator);
+  if (!kind) return std::nullopt;
+  Contender points{.name = integrator, .color = color, .ours = false, .random = true, .ladder = {}};
+  const int most = quick ? 256 : 1024;
+  for (int spp = quick ? 4 : 1; spp <= most; spp *= 4) {
+    points.ladder.push_back({absl::StrCat(spp, " spp"), [=](RenderSettings& s) {
+                               s.integrator = *kind;
+                               s.spp = spp;
+                             }});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<Contender> AllContenders(bool quick) {
+  std::vector<Contender> all = {Slice(quick)};
+  if (auto paper = Paper()) all.push_back(*std::move(paper));
+  if (auto points = Points("stochastic", PlotColors()[2], quick)) all.push_back(*std::move(points));
+  if (auto points = Points("reference", PlotColors()[1], quick)) all.push_back(*std::move(points));
+  return all;
+}
+
+}  // namespace shutterline::bench

@@ -1,0 +1,63 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <thread>
+
+#include "tests/bench/commands.h"
+
+namespace {
+
+using shutterline::bench::ReportOptions;
+
+struct Part {
+  const char* name;
+  const char* summary;
+  absl::Status (*run)(const ReportOptions&);
+};
+
+constexpr Part kParts[] = {
+    {"speed-vs-error", "Ladders of every method on every scene: time against error",
+     shutterline::bench::SpeedVsError},
+};
+
+}  // namespace
+
+/// Exit codes: 0 success, 1 failed (a NaN in a picture is a failure), 2 usage.
+int main(int argc, char** argv) {
+  CLI::App app("Measures speed against error and writes the report: CSV, SVG and a page of HTML.",
+               "shutterline-bench");
+  app.require_subcommand(1);
+  ReportOptions options;
+  options.threads = int(std::max(1u, std::thread::hardware_concurrency()));
+  std::string clock = "wall";
+  const Part* chosen = nullptr;
+  for (const Part& part : kParts) {
+    CLI::App* sub = app.add_subcommand(part.name, part.summary);
+    sub->add_flag("--quick", options.quick,
+                  "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
+    sub->add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
+    sub->add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
+    sub->add_option("--threads", options.threads, "Threads of every method")->check(CLI::Range(1, 1024));
+    sub->add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
+        ->check(CLI::IsMember({"wall", "cpu"}));
+    sub->add_option("--scenes", options.scenes, "Only these scenes");
+    sub->add_option("--contenders", options.contenders, "Only these methods");
+    sub->add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")
+        ->check(CLI::Range(1, 32));
+    sub->add_option("--spp", options.spp, "Points a pixel of references, a multiple of 64")
+        ->check(CLI::Range(64, 1 << 16));
+    sub->callback([&chosen, &part] { chosen = &part; });
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  options.cpu_clock = clock == "cpu";
+  options.spp -= options.spp % 64;
+  const absl::Status status = chosen->run(options);
+  if (!status.ok()) {
+    std::fprintf(stderr, "shutterline-bench: %s\n", std::string(status.message()).c_str());
+    return 1;
+  }
+  return 0;
+}

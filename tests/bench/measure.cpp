@@ -1,0 +1,87 @@
+#include "tests/bench/measure.h"
+
+#include <algorithm>
+#include <span>
+
+#include "common/base/status_macros.h"
+#include "tests/bench/stopwatch.h"
+#include "worker/engine/render/tile_integrator.h"
+
+namespace shutterline::bench {
+namespace {
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+/// Tiles lie one below the other, so each is a piece of the stack's memory.
+void RenderStack(const engine::TileIntegrator& integrator, const TileSubset& subset, int threads,
+                 Image& stack, engine::RenderStats& stats) {
+  std::vector<engine::RenderStats> own(static_cast<size_t>(threads));
+  ParallelFor(int(subset.tiles.size()), threads, [&](int index, int thread) {
+    const TileRect& tile = subset.tiles[size_t(index)];
+    const std::span<float> rgba(stack.At(0, index * kTileSize), 4 * size_t(tile.Area()));
+    integrator.Render(tile, rgba, own[size_t(thread)]);
+  });
+  for (const engine::RenderStats& s : own) stats += s;
+}
+
+}  // namespace
+
+absl::StatusOr<Measurement> Measure(std::shared_ptr<const engine::Scene> scene, int frame,
+                                    const RenderSettings& settings, const TileSubset& subset,
+                                    const MeasureOptions& options) {
+  Measurement result;
+  result.share = subset.Share();
+  const Stopwatch pose;
+  SL_ASSIGN_OR_RETURN(const auto frame_scene, engine::BuildFrameScene(std::move(scene), frame, settings));
+  result.pose_wall = pose.Wall();
+  result.pose_cpu = pose.Cpu();
+
+  std::unique_ptr<engine::TileIntegrator> integrator;
+  std::vector<double> wall, cpu, build_wall, build_cpu;
+  for (int run = 0; run < options.most_runs; ++run) {
+    if (!integrator || options.new_seeds) {
+      RenderSettings seeded = settings;
+      if (options.new_seeds) seeded.seed = options.first_seed + uint64_t(run);
+      integrator.reset();
+      const Stopwatch build;
+      SL_ASSIGN_OR_RETURN(integrator,
+                          engine::MakeTileIntegrator(frame_scene, frame, seeded, options.threads));
+      build_wall.push_back(build.Wall());
+      build_cpu.push_back(build.Cpu());
+    }
+    Image stack = StackedImage(subset);
+    engine::RenderStats stats;
+    const Stopwatch tiles;
+    RenderStack(*integrator, subset, options.threads, stack, stats);
+    wall.push_back(tiles.Wall());
+    cpu.push_back(tiles.Cpu());
+    if (run == 0) result.stats = stats;
+    if (run == 0 || options.new_seeds) result.pictures.push_back(std::move(stack));
+    const double longest = *std::max_element(wall.begin(), wall.end());
+    if (longest > 3 || (longest > 1 && run >= 2)) break;
+  }
+  result.runs = int(wall.size());
+  result.build_wall = Median(build_wall);
+  result.build_cpu = Median(build_cpu);
+  result.tiles_wall = Median(wall);
+  result.tiles_cpu = Median(cpu);
+  result.tiles_wall_min = *std::min_element(wall.begin(), wall.end());
+  result.tiles_wall_max = *std::max_element(wall.begin(), wall.end());
+  return result;
+}
+
+absl::StatusOr<Image> RenderSubset(std::shared_ptr<const engine::FrameScene> frame_scene, int frame,
+                                   const RenderSettings& settings, const TileSubset& subset, int threads) {
+  SL_ASSIGN_OR_RETURN(const auto integrator,
+                      engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads));
+  Image stack = StackedImage(subset);
+  engine::RenderStats stats;
+  RenderStack(*integrator, subset, threads, stack, stats);
+  return stack;
+}
+
+}  // namespace shutterline::bench
