@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -128,6 +129,31 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
   }
 }
 
+void AddExperimentOptions(CLI::App& app, JobOptions& o) {
+  RenderSettings& s = o.settings;
+  auto* degree = AddValue(app, "--motion-degree", "1|2|3", "as needed",
+                          "Motion curves of exactly this degree", [&](const std::string& t) {
+                            int value = 0;
+                            SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxMotionDegree), value));
+                            s.motion_degree = value;
+                            return absl::OkStatus();
+                          });
+  auto* pieces = AddValue(app, "--motion-pieces", "N", "as needed",
+                          absl::StrCat("Motion curves in exactly N pieces of the shutter, a\npower of two "
+                                       "from 1 to ",
+                                       kMaxMotionPieces),
+                          [&](const std::string& t) {
+                            int value = 0;
+                            SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxMotionPieces), value));
+                            if (!std::has_single_bit(unsigned(value))) {
+                              return absl::InvalidArgumentError("must be a power of two");
+                            }
+                            s.motion_pieces = value;
+                            return absl::OkStatus();
+                          });
+  for (CLI::Option* option : {degree, pieces}) option->group("Experiments");
+}
+
 void AddFileOptions(CLI::App& app, JobOptions& o) {
   auto* half = app.add_flag("--half", o.half_given, "16-bit floats in the EXR (the default)");
   auto* full = app.add_flag("--float", o.float_given, "32-bit floats in the EXR");
@@ -164,6 +190,7 @@ void AddJobOptions(CLI::App& app, JobOptions& options) {
   AddTimeOptions(app, options);
   AddPictureOptions(app, options);
   AddMethodOptions(app, options);
+  AddExperimentOptions(app, options);
   AddFileOptions(app, options);
 }
 

@@ -149,6 +149,8 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Real(render.shutter_close);
   writer.Text(render.camera);
   writer.Text(render.animation);
+  writer.Signed(render.motion_degree ? int64_t{*render.motion_degree} : -1);
+  writer.Signed(render.motion_pieces ? int64_t{*render.motion_pieces} : -1);
   writer.Text(ToString(render.integrator));
   writer.Text(ToString(render.pattern));
   writer.Text(ToString(render.resolver));

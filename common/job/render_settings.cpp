@@ -3,6 +3,7 @@
 #include <absl/strings/str_cat.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -63,6 +64,14 @@ absl::Status Validate(const RenderSettings& s) {
   if (s.shutter_close < s.shutter_open) {
     return OutOfRange("shutter_close", s.shutter_close,
                       absl::StrCat("at least shutter_open (", s.shutter_open, ")"));
+  }
+  if (s.motion_degree && (*s.motion_degree < 1 || *s.motion_degree > kMaxMotionDegree)) {
+    return OutOfRange("motion_degree", *s.motion_degree, absl::StrCat("1 to ", kMaxMotionDegree));
+  }
+  if (s.motion_pieces && (*s.motion_pieces < 1 || *s.motion_pieces > kMaxMotionPieces ||
+                          !std::has_single_bit(unsigned(*s.motion_pieces)))) {
+    return OutOfRange("motion_pieces", *s.motion_pieces,
+                      absl::StrCat("a power of two from 1 to ", kMaxMotionPieces));
   }
   if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
     return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");

@@ -30,6 +30,11 @@ struct RenderSettings {
   std::string camera;
   /// An animation's name or index, "all" or "none". Empty: the file's first animation.
   std::string animation;
+  /// For experiments: if set, everything that moves has motion of exactly this degree, 1 to
+  /// kMaxMotionDegree, or exactly so many pieces a shutter, a power of two up to kMaxMotionPieces. Unset:
+  /// the least of both that follows the true path.
+  std::optional<int> motion_degree;
+  std::optional<int> motion_pieces;
 
   // --- Method ------------------------------------------------------------------------------------
   IntegratorKind integrator = IntegratorKind::kLine;
@@ -56,6 +61,10 @@ struct OutputSettings {
 
 inline constexpr int kMaxFrameSide = 32768;
 inline constexpr int kMaxTimeSamples = 1 << 16;
+/// Of the Bezier curves on which vertices move.
+inline constexpr int kMaxMotionDegree = 3;
+/// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
+inline constexpr int kMaxMotionPieces = 64;
 inline constexpr int kMaxSpp = 1 << 20;
 
 /// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range.

@@ -72,6 +72,8 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_shutter_close(s.shutter_close);
   m.set_camera(s.camera);
   m.set_animation(s.animation);
+  if (s.motion_degree) m.set_motion_degree(*s.motion_degree);
+  if (s.motion_pieces) m.set_motion_pieces(*s.motion_pieces);
   m.set_integrator(Out(kIntegrators, s.integrator));
   m.set_pattern(Out(kPatterns, s.pattern));
   m.set_resolver(Out(kResolvers, s.resolver));
@@ -133,6 +135,8 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   s.shutter_close = m.shutter_close();
   s.camera = m.camera();
   s.animation = m.animation();
+  if (m.has_motion_degree()) s.motion_degree = m.motion_degree();
+  if (m.has_motion_pieces()) s.motion_pieces = m.motion_pieces();
   SL_ASSIGN_OR_RETURN(s.integrator, In(kIntegrators, m.integrator(), field, "integrator"));
   SL_ASSIGN_OR_RETURN(s.pattern, In(kPatterns, m.pattern(), field, "pattern"));
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));

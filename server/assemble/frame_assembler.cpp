@@ -61,6 +61,8 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 std::string DescribeSettings(const RenderSettings& s) {
   std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
                                   " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
+  if (s.motion_degree) absl::StrAppend(&text, " motion_degree=", *s.motion_degree);
+  if (s.motion_pieces) absl::StrAppend(&text, " motion_pieces=", *s.motion_pieces);
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
     if (s.time_samples) {

@@ -82,7 +82,7 @@ TEST(Options, EachReachesItsSetting) {
   const Outcome outcome = Tell(
       Split("--frames -2-9x3 --fps 23.976 --size 640x480 --camera Cam#1 --animation all --shutter-open -0.25 "
             "--shutter-close 0.25 --integrator reference --pattern 4h4v --resolver slice --time-samples 17 "
-            "--spp 256 "
+            "--spp 256 --motion-degree 2 --motion-pieces 16 "
             "--seed 18446744073709551615 --float --compression piz --png -o out/f.##.exr fox.glb"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   RenderSettings settings;
@@ -97,6 +97,8 @@ TEST(Options, EachReachesItsSetting) {
   settings.pattern = PatternKind::k4h4v;
   settings.time_samples = 17;
   settings.spp = 256;
+  settings.motion_degree = 2;
+  settings.motion_pieces = 16;
   settings.seed = ~uint64_t{0};
   EXPECT_EQ(outcome.told.settings, settings);
   EXPECT_EQ(outcome.told.frames, (FrameRange{-2, 9, 3}));
@@ -120,6 +122,8 @@ TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
       {"--resolver", {"paper?", "slice "}},
       {"--time-step", {"0", "-1", "nan", "1e-9"}},
       {"--time-samples", {"0", "-1", "65537", "2.5"}},
+      {"--motion-degree", {"0", "4", "-1", "quadratic"}},
+      {"--motion-pieces", {"0", "3", "128", "-1"}},
       {"--spp", {"0", "-1", "1048577", "1e3"}},
       {"--seed", {"-1", "18446744073709551616", "x"}},
       {"--compression", {"gzip", "ZIP"}},

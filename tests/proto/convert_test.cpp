@@ -34,6 +34,8 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.shutter_close = below(100) / 3.0;
   r.camera = absl::StrCat("kamera é", below(3));
   r.animation = below(2) ? "all" : "";
+  if (below(2)) r.motion_degree = 1 + below(kMaxMotionDegree);
+  if (below(2)) r.motion_pieces = 1 << below(7);
   r.integrator = below(2) ? IntegratorKind::kLine : IntegratorKind::kReference;
   r.pattern = PatternKind(below(4));
   r.time_step = 0.001 + below(1000) / 9.0;
@@ -86,6 +88,8 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
   expect("fps", [&](v1::JobSpec& s) { s.mutable_render()->set_fps(nan); });
   expect("shutter_close", [&](v1::JobSpec& s) { s.mutable_render()->set_shutter_close(nan); });
   expect("time_samples", [](v1::JobSpec& s) { s.mutable_render()->set_time_samples(0); });
+  expect("motion_degree", [](v1::JobSpec& s) { s.mutable_render()->set_motion_degree(4); });
+  expect("motion_pieces", [](v1::JobSpec& s) { s.mutable_render()->set_motion_pieces(3); });
   expect("spp", [](v1::JobSpec& s) { s.mutable_render()->set_spp(-1); });
   expect("render.camera", [](v1::JobSpec& s) { s.mutable_render()->set_camera(std::string(1025, 'x')); });
   expect("name", [](v1::JobSpec& s) { s.set_name(std::string(1025, 'x')); });

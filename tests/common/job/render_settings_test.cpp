@@ -44,6 +44,8 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        {1e-3, 1, 1e6},
        {0, -1, 0.99e-3, 1.1e6, kNaN, kInfinity}},
       {"time_samples", [](auto& s, double v) { s.time_samples = int(v); }, {1, 65536}, {0, -1, 65537}},
+      {"motion_degree", [](auto& s, double v) { s.motion_degree = int(v); }, {1, 2, 3}, {0, -1, 4}},
+      {"motion_pieces", [](auto& s, double v) { s.motion_pieces = int(v); }, {1, 2, 64}, {0, -2, 3, 65, 128}},
       {"spp", [](auto& s, double v) { s.spp = int(v); }, {1, 1048576}, {0, -1, 1048577}},
   };
   for (const Range& range : ranges) {

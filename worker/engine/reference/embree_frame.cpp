@@ -88,16 +88,19 @@ absl::Status EmbreeFrame::AddPrimitive(const FrameScene& frame, unsigned number)
   const FramePrimitive& primitive = frame.primitives[number];
   if (primitive.triangle_count == 0) return absl::OkStatus();
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  rtcSetGeometryTimeStepCount(geometry.get(), unsigned(primitive.degree) + 1);
+  const int steps = primitive.degree == 0 ? 0 : primitive.linear_pieces;
+  static_assert(kMaxLinearPieces < RTC_MAX_TIME_STEP_COUNT);
+  rtcSetGeometryTimeStepCount(geometry.get(), unsigned(steps) + 1);
 
-  for (int step = 0; step <= primitive.degree; ++step) {
+  for (int step = 0; step <= steps; ++step) {
+    const double t = steps == 0 ? 0 : double(step) / steps;
     auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
                                                                   unsigned(step), RTC_FORMAT_FLOAT3,
                                                                   3 * sizeof(float), primitive.vertex_count));
     if (positions == nullptr) return EmbreeStatus(device_.get(), "vertices");
     for (uint32_t v = 0; v < primitive.vertex_count; ++v) {
-      const RasterPoint& control_point = frame.ControlPoint(primitive, primitive.first_vertex + v, step);
-      const V3d p = frame.view.ViewFromRaster(control_point) / scale_;
+      const RasterPoint place = frame.VertexAt(primitive, primitive.first_vertex + v, t);
+      const V3d p = frame.view.ViewFromRaster(place) / scale_;
       for (int axis = 0; axis < 3; ++axis) *positions++ = float(p[axis]);
     }
   }

@@ -12,7 +12,9 @@
 namespace shutterline::engine {
 
 /// A frame's triangles as an Embree scene: one geometry a primitive, numbered alike, vertices in view space
-/// divided by scale(), two time steps where the primitive moves. Immutable; any number of threads may trace.
+/// divided by scale(). Where a primitive moves, as many time steps as its straight pieces have ends
+/// (FramePrimitive::linear_pieces), which Embree joins by straight lines. Immutable; any number of threads
+/// may trace.
 class EmbreeFrame {
  public:
   static absl::StatusOr<EmbreeFrame> Build(const FrameScene& frame, int threads);

@@ -12,18 +12,13 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
-#include "worker/engine/scene/motion.h"
 #include "worker/engine/scene/scene_bounds.h"
 
 namespace shutterline::engine {
 namespace {
 
-/// A primitive whose true path leaves its control points' by more than this is named in the warnings.
-constexpr double kDeviationPixels = 0.5;
-/// Warnings name this many primitives, the worst first, and count the rest.
-constexpr size_t kNamedPrimitives = 16;
-/// Besides 1/4, 1/2 and 3/4, the path is checked at so many keys inside the shutter.
-constexpr size_t kCheckedKeys = 13;
+/// Warnings name this many meshes whose motion misses their path, the worst first, and count the rest.
+constexpr size_t kNamedMeshes = 16;
 
 bool AreEqual(const std::vector<V4f>& colors) {
   return !colors.empty() &&
@@ -36,10 +31,10 @@ FrameBuilder::FrameBuilder(std::shared_ptr<const Scene> scene, std::vector<const
                            CameraChoice choice, int frame, const RenderSettings& settings)
     : scene_(*scene),
       choice_(choice),
-      open_seconds_((frame + settings.shutter_open) / settings.fps),
-      close_seconds_((frame + settings.shutter_close) / settings.fps),
       settings_(settings),
-      sampler_(*scene, std::move(channels)),
+      shutter_(*scene, PoseSampler(*scene, std::move(channels)), choice.node,
+               (frame + settings.shutter_open) / settings.fps,
+               (frame + settings.shutter_close) / settings.fps),
       frame_(std::make_shared<FrameScene>()) {
   frame_->scene = std::move(scene);
 }
@@ -47,51 +42,29 @@ FrameBuilder::FrameBuilder(std::shared_ptr<const Scene> scene, std::vector<const
 absl::Status FrameBuilder::Build() {
   SL_RETURN_IF_ERROR(MakeView());
   SL_RETURN_IF_ERROR(PlaceMeshes());
-  SL_ASSIGN_OR_RETURN(const Moment open, MomentAt(0));
+  SL_ASSIGN_OR_RETURN(const Moment open, shutter_.At(0));
   if (!anything_moves_) {
+    FitMotion(open);
     LayOutVertices();
-    EvaluateVertices(open, open, open);
+    EvaluateNormals(open);
   } else {
-    SL_ASSIGN_OR_RETURN(const Moment middle, MomentAt(0.5));
-    SL_ASSIGN_OR_RETURN(const Moment close, MomentAt(1));
-    FindDegrees(open, close);
+    // At mid-shutter: a node that grows from nothing has no sides at shutter open.
+    SL_ASSIGN_OR_RETURN(const Moment middle, shutter_.At(0.5));
+    SL_RETURN_IF_ERROR(shutter_.At(1).status());
+    FitMotion(open);
     LayOutVertices();
-    EvaluateVertices(open, close, middle);
+    EvaluateNormals(middle);
   }
   MakeTriangles();
-  CheckPaths();
+  NameMisses();
   MakeTextures();
   return absl::OkStatus();
 }
 
-absl::StatusOr<FrameBuilder::Moment> FrameBuilder::MomentAt(double t) const {
-  const double seconds = t == 0   ? open_seconds_
-                         : t == 1 ? close_seconds_
-                                  : (1 - t) * open_seconds_ + t * close_seconds_;
-  Moment moment{sampler_.At(seconds), CameraPose()};
-  if (auto_camera_) {
-    moment.camera = auto_camera_->pose;
-    return moment;
-  }
-  const std::optional<CameraPose> camera = CameraPoseFrom(moment.pose.world_from_node[size_t(choice_.node)]);
-  if (!camera) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "scene ", scene_.name, ": camera node ", choice_.node, " \"", scene_.nodes[size_t(choice_.node)].name,
-        "\" has no orientation at ", seconds, " s: its axes are zero, parallel or not finite"));
-  }
-  moment.camera = *camera;
-  return moment;
-}
-
-MeshPose FrameBuilder::PoseOf(const PlacedMesh& placed, const Moment& moment) const {
-  return MeshPose(scene_, placed.node, moment.pose, moment.camera);
-}
-
 absl::Status FrameBuilder::MakeView() {
   if (choice_.IsAutomatic()) {
-    auto_camera_ = MakeAutoCamera(AnimationBounds(sampler_), settings_.width, settings_.height);
-  } else {
-    camera_moves_ = sampler_.Moves(choice_.node);
+    auto_camera_ = MakeAutoCamera(AnimationBounds(shutter_.sampler()), settings_.width, settings_.height);
+    shutter_.SetFixedCamera(auto_camera_->pose);
   }
   const Camera& camera = auto_camera_ ? auto_camera_->camera : scene_.cameras[size_t(choice_.camera)];
   SL_ASSIGN_OR_RETURN(frame_->view, MakeFrameView(camera, settings_.width, settings_.height));
@@ -99,14 +72,13 @@ absl::Status FrameBuilder::MakeView() {
 }
 
 absl::Status FrameBuilder::PlaceMeshes() {
-  const bool still = open_seconds_ == close_seconds_;
   uint64_t triangles = 0, vertices = 0;
   for (const int node : NodesInDefaultScene(scene_)) {
     const int mesh_index = scene_.nodes[size_t(node)].mesh;
     if (mesh_index < 0) continue;
     const Mesh& mesh = scene_.meshes[size_t(mesh_index)];
     PlacedMesh placed{node, &mesh, frame_->primitives.size(), false};
-    placed.moves = !still && (camera_moves_ || sampler_.MeshMoves(node));
+    placed.moves = !shutter_.IsStill() && (shutter_.CameraMoves() || shutter_.sampler().MeshMoves(node));
     anything_moves_ = anything_moves_ || placed.moves;
     for (const MeshPrimitive& source : mesh.primitives) {
       FramePrimitive primitive;
@@ -134,54 +106,57 @@ absl::Status FrameBuilder::PlaceMeshes() {
   return absl::OkStatus();
 }
 
-void FrameBuilder::FindDegrees(const Moment& open, const Moment& close) {
-  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
-    const PlacedMesh& placed = placed_[i];
-    if (!placed.moves) return;
-    const MeshPose at_open = PoseOf(placed, open), at_close = PoseOf(placed, close);
-    for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
-      frame_->primitives[placed.first_primitive + k].degree =
-          AnyVertexMoves(frame_->view, placed.mesh->primitives[k], at_open, at_close) ? 1 : 0;
+void FrameBuilder::FitMotion(const Moment& open) {
+  MotionFitter fitter(scene_, frame_->view, shutter_, settings_, placed_);
+  fitted_ = fitter.Fit(open, frame_->warnings);
+  for (size_t i = 0; i < placed_.size(); ++i) {
+    for (size_t k = 0; k < fitted_[i].moves.size(); ++k) {
+      if (!fitted_[i].moves[k]) continue;
+      FramePrimitive& primitive = frame_->primitives[placed_[i].first_primitive + k];
+      primitive.degree = fitted_[i].degree;
+      primitive.pieces = fitted_[i].pieces;
     }
-  });
+  }
 }
 
 void FrameBuilder::LayOutVertices() {
   uint64_t control_points = 0, normals = 0;
   for (FramePrimitive& primitive : frame_->primitives) {
     primitive.first_control_point = control_points;
-    control_points += uint64_t{primitive.vertex_count} * uint64_t(primitive.degree + 1);
+    control_points += uint64_t{primitive.vertex_count} * uint64_t(primitive.PointsPerVertex());
     primitive.first_normal = normals;
     if (primitive.has_normals) normals += primitive.vertex_count;
   }
   frame_->control_points.resize(control_points);
   frame_->normals.resize(normals);
-}
-
-void FrameBuilder::EvaluateVertices(const Moment& open, const Moment& close, const Moment& middle) {
   usable_.assign(frame_->primitives.size(), 0);
   tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
+    for (size_t k = 0; k < fitted_[i].control_points.size(); ++k) {
+      FramePrimitive& primitive = frame_->primitives[placed_[i].first_primitive + k];
+      std::vector<RasterPoint>& points = fitted_[i].control_points[k];
+      const ControlPointFacts facts =
+          FactsOf(frame_->view, *primitive.source, primitive.degree, primitive.pieces, points);
+      usable_[placed_[i].first_primitive + k] = facts.all_usable;
+      primitive.motion_pixels = facts.motion_pixels;
+      primitive.linear_pieces = LinearPiecesFor(primitive.degree, primitive.pieces, facts.chord_pixels);
+      std::copy(points.begin(), points.end(),
+                frame_->control_points.begin() + ptrdiff_t(primitive.first_control_point));
+      points = {};
+    }
+  });
+}
+
+void FrameBuilder::EvaluateNormals(const Moment& moment) {
+  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
     const PlacedMesh& placed = placed_[i];
-    const MeshPose at_open = PoseOf(placed, open);
-    const std::optional<MeshPose> at_close =
-        placed.moves ? std::optional(PoseOf(placed, close)) : std::nullopt;
-    const std::optional<MeshPose> at_middle =
-        placed.moves ? std::optional(PoseOf(placed, middle)) : std::nullopt;
+    const MeshPose pose(scene_, placed.node, moment.pose, moment.camera);
     for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
       const MeshPrimitive& source = placed.mesh->primitives[k];
       FramePrimitive& primitive = frame_->primitives[placed.first_primitive + k];
-      const std::span<RasterPoint> points(frame_->control_points.data() + primitive.first_control_point,
-                                          primitive.vertex_count * size_t(primitive.degree + 1));
-      const ControlPointFacts facts = WriteControlPoints(frame_->view, source, primitive.degree, at_open,
-                                                         at_close ? *at_close : at_open, points);
-      usable_[placed.first_primitive + k] = facts.all_usable;
-      primitive.motion_pixels = facts.motion_pixels;
-      // At mid-shutter, as the normals: a node that grows from nothing has no sides at shutter open.
-      primitive.mirrored = (at_middle ? *at_middle : at_open).Mirrors(source);
+      primitive.mirrored = pose.Mirrors(source);
       if (!primitive.has_normals) continue;
-      const MeshPose& normal_pose = at_middle ? *at_middle : at_open;
       tbb::parallel_for(uint32_t{0}, primitive.vertex_count, [&](uint32_t v) {
-        frame_->normals[primitive.first_normal + v] = V3f(normal_pose.Normal(source, v));
+        frame_->normals[primitive.first_normal + v] = V3f(pose.Normal(source, v));
       });
     }
   });
@@ -233,51 +208,26 @@ void FrameBuilder::MakeTriangles() {
   });
 }
 
-void FrameBuilder::CheckPaths() {
-  if (!anything_moves_) return;
-  std::vector<double> times{0.25, 0.5, 0.75};
-  for (const double key : sampler_.KeyTimes(open_seconds_, close_seconds_, kCheckedKeys)) {
-    times.push_back((key - open_seconds_) / (close_seconds_ - open_seconds_));
+void FrameBuilder::NameMisses() {
+  std::vector<size_t> missed;
+  for (size_t i = 0; i < fitted_.size(); ++i) {
+    if (!fitted_[i].error.IsWithinTolerance()) missed.push_back(i);
   }
-  struct Worst {
-    double pixels = 0, t = 0;
-  };
-  std::vector<Worst> worst(frame_->primitives.size());
-  for (const double t : times) {
-    const absl::StatusOr<Moment> moment = MomentAt(t);
-    if (!moment.ok()) {
-      frame_->warnings.push_back(std::string(moment.status().message()));
-      continue;
-    }
-    tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
-      const PlacedMesh& placed = placed_[i];
-      if (!placed.moves) return;
-      const MeshPose pose = PoseOf(placed, *moment);
-      for (size_t k = placed.first_primitive; k < placed.first_primitive + placed.mesh->primitives.size();
-           ++k) {
-        const double pixels = PathDeviation(*frame_, frame_->primitives[k], pose, t);
-        if (pixels > worst[k].pixels) worst[k] = {pixels, t};
-      }
-    });
-  }
-
-  // Name the worst.
-  std::vector<size_t> bent;
-  for (size_t i = 0; i < worst.size(); ++i) {
-    if (worst[i].pixels > kDeviationPixels) bent.push_back(i);
-  }
-  std::stable_sort(bent.begin(), bent.end(),
-                   [&](size_t a, size_t b) { return worst[a].pixels > worst[b].pixels; });
-  for (size_t i = 0; i < std::min(bent.size(), kNamedPrimitives); ++i) {
+  std::stable_sort(missed.begin(), missed.end(),
+                   [&](size_t a, size_t b) { return fitted_[a].error.Excess() > fitted_[b].error.Excess(); });
+  for (size_t i = 0; i < std::min(missed.size(), kNamedMeshes); ++i) {
+    const FittedMesh& fitted = fitted_[missed[i]];
     frame_->warnings.push_back(absl::StrFormat(
-        "%s: its path is bent, but is rendered as a straight one that lies up to %.2f px beside it (at "
-        "shutter time %.2f)",
-        NameOf(frame_->primitives[bent[i]]), worst[bent[i]].pixels, worst[bent[i]].t));
+        "%s: its path is bent more than motion of degree %d in %d %s can follow, which lies up to %.2f px "
+        "and "
+        "%.2g of the distance beside it (at shutter time %.2f)",
+        NameOf(placed_[missed[i]]), fitted.degree, fitted.pieces, fitted.pieces == 1 ? "piece" : "pieces",
+        fitted.error.pixels, fitted.error.depth, fitted.error_time));
   }
-  if (bent.size() > kNamedPrimitives) {
-    frame_->warnings.push_back(
-        absl::StrFormat("%d more primitives have bent paths, up to %.2f px beside the straight ones",
-                        bent.size() - kNamedPrimitives, worst[bent[kNamedPrimitives]].pixels));
+  if (missed.size() > kNamedMeshes) {
+    frame_->warnings.push_back(absl::StrFormat(
+        "%d more meshes have paths that their motion cannot follow, and lie up to %.2f px beside them",
+        missed.size() - kNamedMeshes, fitted_[missed[kNamedMeshes]].error.pixels));
   }
 }
 
@@ -298,6 +248,12 @@ void FrameBuilder::MakeTextures() {
   tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
     frame_->textures[size_t(images[i])] = scene_.mip_pyramids.Get(scene_.images, images[i]);
   });
+}
+
+std::string FrameBuilder::NameOf(const PlacedMesh& placed) const {
+  const Node& node = scene_.nodes[size_t(placed.node)];
+  return absl::StrCat("node ", placed.node, " \"", node.name, "\", mesh ", node.mesh, " \"",
+                      placed.mesh->name, "\"");
 }
 
 std::string FrameBuilder::NameOf(const FramePrimitive& primitive) const {

@@ -3,6 +3,7 @@
 #include <absl/status/status.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,8 @@
 #include "worker/engine/scene/auto_camera.h"
 #include "worker/engine/scene/camera_select.h"
 #include "worker/engine/scene/frame_scene.h"
-#include "worker/engine/scene/mesh_pose.h"
-#include "worker/engine/scene/pose.h"
+#include "worker/engine/scene/motion_fit.h"
+#include "worker/engine/scene/shutter_poses.h"
 
 namespace shutterline::engine {
 
@@ -25,43 +26,27 @@ class FrameBuilder {
   std::shared_ptr<const FrameScene> Take() { return std::move(frame_); }
 
  private:
-  /// All nodes and the camera at one time.
-  struct Moment {
-    Pose pose;
-    CameraPose camera;
-  };
-  /// A node that draws a mesh, and its primitives' numbers in the frame.
-  struct PlacedMesh {
-    int node = -1;
-    const Mesh* mesh = nullptr;
-    size_t first_primitive = 0;
-    bool moves = false;
-  };
-
-  absl::StatusOr<Moment> MomentAt(double t) const;
-  MeshPose PoseOf(const PlacedMesh& placed, const Moment& moment) const;
-
   absl::Status MakeView();
   absl::Status PlaceMeshes();
-  void FindDegrees(const Moment& open, const Moment& close);
+  void FitMotion(const Moment& open);
   void LayOutVertices();
-  void EvaluateVertices(const Moment& open, const Moment& close, const Moment& middle);
+  void EvaluateNormals(const Moment& moment);
   void MakeTriangles();
-  void CheckPaths();
+  void NameMisses();
   void MakeTextures();
-  /// "node 3 "wheel", mesh "Wheel", primitive 0".
+  /// "node 3 "wheel", mesh 2 "Wheel"", and the same with ", primitive 0".
+  std::string NameOf(const PlacedMesh& placed) const;
   std::string NameOf(const FramePrimitive& primitive) const;
 
   const Scene& scene_;
   const CameraChoice choice_;
-  const double open_seconds_, close_seconds_;
   const RenderSettings& settings_;
-  const PoseSampler sampler_;
+  ShutterPoses shutter_;
   std::optional<AutoCamera> auto_camera_;
-  bool camera_moves_ = false;
   bool anything_moves_ = false;
   std::vector<PlacedMesh> placed_;
-  std::vector<char> usable_;  ///< One a primitive: all its control points are.
+  std::vector<FittedMesh> fitted_;  ///< One a placed mesh.
+  std::vector<char> usable_;        ///< One a primitive: all its control points are.
   std::shared_ptr<FrameScene> frame_;
 };
 

@@ -37,9 +37,7 @@ struct FrameView {
 /// corner, is still finite (an edge's crossing multiplies two, each of two clips doubles that and adds two).
 inline constexpr double kMaxCoordinate = 1e44;
 
-inline constexpr int kMaxMotionDegree = kMaxBezierDegree;
-/// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
-inline constexpr int kMaxMotionPieces = 64;
+static_assert(kMaxMotionDegree == kMaxBezierDegree);
 inline constexpr int kMaxLinearPieces = 128;
 
 /// A mesh primitive placed by a node, in this frame.
@@ -73,7 +71,7 @@ struct FramePrimitive {
   bool has_normals = false;
   uint64_t first_normal = 0;
   /// Largest path length of a vertex over the shutter, pixels; infinity if one is behind the near plane at
-  /// shutter open or close. 0 for degree 0, wherever the vertices are.
+  /// some instant that was looked at. 0 for degree 0, wherever the vertices are.
   double motion_pixels = 0;
 
   int PointsPerVertex() const { return pieces * degree + 1; }
@@ -98,7 +96,7 @@ struct FrameScene {
   /// Mip pyramids by image of the scene, shared between its frames; null where no drawn material uses the
   /// image.
   TextureSet textures;
-  /// For people: primitives whose true path leaves the linear one by more than 0.5 px, dropped vertices.
+  /// For people: meshes whose motion misses their true path by more than the tolerance, dropped vertices.
   std::vector<std::string> warnings;
   /// With a control point that is not finite or so large (above kMaxCoordinate) that products of a few
   /// coordinates would overflow.
@@ -123,7 +121,7 @@ struct FrameScene {
 };
 
 /// Poses the scene over the shutter of `frame` and projects it: nodes, skins and morph targets are
-/// evaluated exactly at shutter open and close (and at check times in between, for the warnings).
+/// evaluated exactly at as many times as the motion needs, and at check times in between.
 /// INVALID_ARGUMENT where `settings` names a camera or an animation that the scene does not have (the
 /// message lists those that it has); RESOURCE_EXHAUSTED where instancing exceeds 2^32 - 2 triangles.
 absl::StatusOr<std::shared_ptr<const FrameScene>> BuildFrameScene(std::shared_ptr<const Scene> scene,

@@ -7,33 +7,72 @@
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/mesh_pose.h"
 
+/// The steps of fitting Bezier motion to a primitive. All run in parallel over vertices, and no result
+/// depends on how the work was split.
 namespace shutterline::engine {
 
 /// What the control points of a primitive turned out to be.
 struct ControlPointFacts {
   bool all_usable = true;    ///< See IsUsable.
   double motion_pixels = 0;  ///< See FramePrimitive.
+  double chord_pixels = 0;   ///< Of single chords of the pieces; see LinearPiecesFor.
 };
 
 /// Finite, and not so large that products of a few coordinates overflow (kMaxCoordinate).
 bool IsUsable(const RasterPoint& p);
 
-/// Whether a vertex has different places at the two times. Vertices that are not usable do not count.
-bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& open,
-                    const MeshPose& close);
+/// Beyond the near plane, where a raster position means something.
+bool IsInFront(const RasterPoint& p);
 
-/// Writes the control points of every vertex, `degree` + 1 each; `close` is not looked at for degree 0.
-/// Vertices in front of the near plane move along straight lines in raster space, because x, y and w are
-/// linear in t; so the distance of a path's ends is its length. Runs in parallel; the result does not
-/// depend on how the work was split.
-ControlPointFacts WriteControlPoints(const FrameView& view, const MeshPrimitive& primitive, int degree,
-                                     const MeshPose& open, const MeshPose& close,
-                                     std::span<RasterPoint> control_points);
+/// The control points of the curve of degree points.size() - 1 that passes through `points` at equal
+/// intervals of u. `points` are its values at u = 0, 1/n, ..., 1; the first and the last stay as they are, a
+/// point at rest stays where it is bit for bit, and reversed points give reversed control points bit for
+/// bit.
+void InterpolateBezier(std::span<RasterPoint> points);
 
-/// The largest distance, in pixels, between where a vertex is at shutter time `t` and where its control
-/// points put it, over the vertices of triangles for which either place is inside the frame, and which are
-/// in front of the near plane in both.
-double PathDeviation(const FrameScene& frame, const FramePrimitive& primitive, const MeshPose& pose,
-                     double t);
+/// Writes where `pose` has the vertices named in `vertices` (all, in order, if it is empty) to every
+/// `per_vertex`th of `points`, from number `index` on.
+void WritePlaces(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
+                 std::span<const uint32_t> vertices, size_t index, size_t per_vertex,
+                 std::span<RasterPoint> points);
+
+/// Whether a vertex is not in `pose` where it is in `places`, which holds one point a vertex. Vertices that
+/// are not usable do not count.
+bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
+                    std::span<const RasterPoint> places);
+
+/// Makes control points of `points`, which hold the places of vertices at pieces * degree + 1 times at equal
+/// intervals of the shutter.
+void InterpolateAll(int degree, int pieces, std::span<RasterPoint> points);
+
+/// Facts of the control points of all vertices of a primitive.
+ControlPointFacts FactsOf(const FrameView& view, const MeshPrimitive& primitive, int degree, int pieces,
+                          std::span<const RasterPoint> control_points);
+
+/// See FramePrimitive::linear_pieces; `chord_pixels` is that of WriteControlPoints.
+int LinearPiecesFor(int degree, int pieces, double chord_pixels);
+
+/// How far a representation leaves the true path: pixels, and depth as a fraction (kPathDepth).
+struct PathError {
+  double pixels = 0, depth = 0;
+
+  bool IsWithinTolerance() const;
+  /// In multiples of the tolerance.
+  double Excess() const;
+  /// Takes the larger of both, each by itself.
+  void Extend(const PathError& other);
+};
+
+/// The distance of `fit` from `path`, two places of a vertex at one time, as far as the frame can show it.
+/// In front of the near plane: of the raster positions and of the depths; a vertex outside of the frame
+/// shows by the edges that lead there, so its distance counts the less the farther out it is. Behind the near
+/// plane there is no raster position: the angle at the eye counts. Places that are not usable count nothing.
+PathError PathErrorBetween(const FrameView& view, const RasterPoint& path, const RasterPoint& fit);
+
+/// The largest error at shutter time `t`, at which the mesh is as `pose` has it, over `vertices` (as in
+/// WritePlaces, whose control points `points` holds) that are used by triangles according to `used`.
+PathError LargestPathError(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
+                           double t, int degree, int pieces, std::span<const uint8_t> used,
+                           std::span<const uint32_t> vertices, std::span<const RasterPoint> points);
 
 }  // namespace shutterline::engine

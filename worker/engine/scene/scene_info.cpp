@@ -115,12 +115,13 @@ FrameInfo DescribeFrame(const FrameScene& frame) {
   info.triangles = int64_t(frame.triangles.size());
   info.dropped_triangles = frame.dropped_triangles;
   info.warnings = frame.warnings;
-  info.primitives_by_degree.assign(2, 0);
-  info.triangles_by_degree.assign(2, 0);
+  info.primitives_by_degree.assign(kMaxMotionDegree + 1, 0);
+  info.triangles_by_degree.assign(kMaxMotionDegree + 1, 0);
   for (const FramePrimitive& primitive : frame.primitives) {
     info.vertices += primitive.vertex_count;
     ++info.primitives_by_degree[size_t(primitive.degree)];
     info.triangles_by_degree[size_t(primitive.degree)] += primitive.triangle_count;
+    if (primitive.degree > 0) ++info.moving_by_pieces[primitive.pieces];
     if (std::isfinite(primitive.motion_pixels)) {
       info.largest_motion_pixels = std::max(info.largest_motion_pixels, primitive.motion_pixels);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -65,8 +66,9 @@ SceneInfo DescribeScene(const Scene& scene);
 struct FrameInfo {
   int64_t primitives = 0, triangles = 0, vertices = 0;
   int64_t dropped_triangles = 0;
-  /// By degree of motion: [0] static, [1] linear.
+  /// By degree of motion, 0 (static) to 3.
   std::vector<int64_t> primitives_by_degree, triangles_by_degree;
+  std::map<int, int64_t> moving_by_pieces;  ///< Primitives that move, by pieces of the shutter.
   /// Largest motion_pixels of the primitives that are in front of the near plane throughout.
   double largest_motion_pixels = 0;
   std::vector<std::string> warnings;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/math/tolerance.h"
+#include "worker/engine/accel/time_bounds.h"
 
 namespace shutterline::engine {
 namespace {
@@ -13,80 +14,54 @@ RasterPoint RelativeTo(const TileRect& rect, const RasterPoint& p) {
   return {p.x - rect.x * p.w, p.y - rect.y * p.w, p.z, p.w};
 }
 
-/// Signed distances of a point to the planes that bound the tile's frustum, up to positive factors;
-/// negative is outside: left, right, top, bottom, near, far.
-std::array<double, 6> PlaneDistances(const TileTriangles& tile, const RasterPoint& p) {
-  return {p.x,       tile.rect.width * p.w - p.x, p.y, tile.rect.height * p.w - p.y,
-          p.w - p.z, p.z - tile.far_depth * p.w};
-}
+/// A triangle's control points relative to the tile, `count` a corner: all of corner 0, then of 1 and 2.
+struct ControlPoints {
+  std::span<const RasterPoint> all;
+  size_t count;
 
-/// Narrows [t_in, t_out] to the instants at which at least one vertex is inside each single plane. The
-/// distance of a vertex is linear in t, so each vertex is inside from or up to one instant. Returns
-/// false if nothing is left.
-bool BoundTime(const TileTriangles& tile, TileTriangle& triangle) {
-  std::array<std::array<double, 6>, 3> at_open;
-  std::array<std::array<double, 6>, 3> at_close;
-  for (int i = 0; i < 3; ++i) {
-    at_open[i] = PlaneDistances(tile, triangle.open[i]);
-    at_close[i] = triangle.moves ? PlaneDistances(tile, triangle.close[i]) : at_open[i];
-  }
-  for (int plane = 0; plane < 6; ++plane) {
-    double in = 1;
-    double out = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double a = at_open[i][plane];
-      const double b = at_close[i][plane];
-      if (a >= 0) in = 0;
-      if (b >= 0) out = 1;
-      if (a < 0 && b >= 0) in = std::min(in, a / (a - b));
-      if (a >= 0 && b < 0) out = std::max(out, a / (a - b));
-    }
-    triangle.t_in = std::max(triangle.t_in, in);
-    triangle.t_out = std::min(triangle.t_out, out);
-  }
-  // A few roundings' worth of slack on either side: instants in between are decided exactly later.
-  triangle.t_in = std::max(0.0, triangle.t_in - 1e-9);
-  triangle.t_out = std::min(1.0, triangle.t_out + 1e-9);
-  return triangle.t_in <= triangle.t_out;
-}
+  std::span<const RasterPoint> OfCorner(size_t i) const { return all.subspan(i * count, count); }
+};
 
 /// How far vertices move over the shutter, as far as the tile can tell; it decides how finely time is cut.
-double MotionPixels(const TileTriangles& tile, const TileTriangle& triangle, bool in_front) {
+/// Paths are measured along their control points.
+double MotionPixels(const TileTriangles& tile, const ControlPoints& points, bool in_front) {
   double motion = in_front ? 0 : kNearCrossingMotionPixels;
   const auto guarded = [](double position, int size) {
     return std::clamp(position, -kMotionGuardPixels, size + kMotionGuardPixels);
   };
-  for (int i = 0; i < 3; ++i) {
-    const RasterPoint& a = triangle.open[i];
-    const RasterPoint& b = triangle.close[i];
-    if (a.w < a.z || b.w < b.z) continue;
-    motion = std::max(
-        motion, std::hypot(guarded(b.x / b.w, tile.rect.width) - guarded(a.x / a.w, tile.rect.width),
-                           guarded(b.y / b.w, tile.rect.height) - guarded(a.y / a.w, tile.rect.height)));
-    if (a.z / a.w != b.z / b.w) motion = std::max(motion, kDepthMotionPixels);
+  for (size_t k = 0; k < 3; ++k) {
+    const std::span<const RasterPoint> path = points.OfCorner(k);
+    double length = 0;
+    for (size_t i = 1; i < path.size(); ++i) {
+      const RasterPoint& a = path[i - 1];
+      const RasterPoint& b = path[i];
+      if (a.w < a.z || b.w < b.z) continue;
+      length += std::hypot(guarded(b.x / b.w, tile.rect.width) - guarded(a.x / a.w, tile.rect.width),
+                           guarded(b.y / b.w, tile.rect.height) - guarded(a.y / a.w, tile.rect.height));
+      if (a.z / a.w != b.z / b.w) motion = std::max(motion, kDepthMotionPixels);
+    }
+    motion = std::max(motion, length);
   }
-  return motion;
+  return std::min(motion, kMostMotionPixels);
 }
 
 /// Bounds depth, motion and line numbers from the projected control points: a point of the moving
 /// triangle is a convex combination of them, and so, while w > 0, is its projection.
-void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, TileTriangle& triangle) {
-  const int ends = triangle.moves ? 2 : 1;
+void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, const ControlPoints& points,
+                     TileTriangle& triangle) {
   bool in_front = true;
   double nearest = 0;
-  for (int e = 0; e < ends; ++e) {
-    for (const RasterPoint& p : e == 0 ? triangle.open : triangle.close) {
-      triangle.crosses_near |= p.w < p.z || p.z < tile.far_depth * p.w;
-      if (p.w < p.z || p.w <= 0) {
-        in_front = false;
-      } else {
-        nearest = std::max(nearest, p.z / p.w);
-      }
+  for (const RasterPoint& p : points.all) {
+    triangle.crosses_near |= p.w < p.z || p.z < tile.far_depth * p.w;
+    if (p.w < p.z || p.w <= 0) {
+      in_front = false;
+    } else {
+      nearest = std::max(nearest, p.z / p.w);
     }
   }
   triangle.nearest_depth = (in_front ? nearest : 1.0) * kDepthSlack;
 
-  if (triangle.moves) triangle.motion_pixels = MotionPixels(tile, triangle, in_front);
+  if (triangle.moves) triangle.motion_pixels = MotionPixels(tile, points, in_front);
 
   for (int f = 0; f < int(pattern.families().size()); ++f) {
     const LineFamily& family = pattern.families()[f];
@@ -99,15 +74,13 @@ void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, Tile
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     double rounding = 0;
-    for (int e = 0; e < ends; ++e) {
-      for (const RasterPoint& p : e == 0 ? triangle.open : triangle.close) {
-        const double major = (family.major_is_x ? p.x : p.y) / p.w;
-        const double minor = (family.major_is_x ? p.y : p.x) / p.w;
-        const double number = (minor - family.slope * major - intercept_0) / family.spacing;
-        rounding = std::max(rounding, 1e-15 * (std::abs(major) + std::abs(minor)) / family.spacing);
-        low = std::min(low, number);
-        high = std::max(high, number);
-      }
+    for (const RasterPoint& p : points.all) {
+      const double major = (family.major_is_x ? p.x : p.y) / p.w;
+      const double minor = (family.major_is_x ? p.y : p.x) / p.w;
+      const double number = (minor - family.slope * major - intercept_0) / family.spacing;
+      rounding = std::max(rounding, 1e-15 * (std::abs(major) + std::abs(minor)) / family.spacing);
+      low = std::min(low, number);
+      high = std::max(high, number);
     }
     // Numbers beyond any raster are cut before they are made integers.
     constexpr double kBeyond = 1e9;
@@ -115,6 +88,19 @@ void BoundProjection(const LinePattern& pattern, const TileTriangles& tile, Tile
         int64_t(std::ceil(std::clamp(low, -kBeyond, kBeyond) - kLineRangeSlack - rounding));
     triangle.last_line[f] =
         int64_t(std::floor(std::clamp(high, -kBeyond, kBeyond) + kLineRangeSlack + rounding));
+  }
+}
+
+/// Appends a triangle's curves as TileTriangle::curve wants them.
+void AppendCurves(std::span<const RasterPoint> relative, size_t count, int degree, int pieces,
+                  std::vector<RasterPoint>& curves) {
+  size_t next = curves.size();
+  curves.resize(next + 3 * size_t(pieces) * (size_t(degree) + 1));
+  for (size_t piece = 0; piece < size_t(pieces); ++piece) {
+    for (size_t k = 0; k < 3; ++k) {
+      BezierToPower(&relative[k * count + piece * size_t(degree)], degree, &curves[next]);
+      next += size_t(degree) + 1;
+    }
   }
 }
 
@@ -136,6 +122,10 @@ void SetUpTile(const FrameScene& frame, std::span<const PrimitiveTraits> traits,
   tile.far_depth = frame.view.FarDepth();
   tile.triangles.clear();
   tile.triangles.reserve(candidates.size());
+  tile.curves.clear();
+  const RasterBox box{0, double(rect.width), 0, double(rect.height), tile.far_depth};
+  std::vector<RasterPoint> relative;
+  std::vector<size_t> first_coefficient;  // One a triangle kept; curves may still move in memory.
   for (const uint32_t id : candidates) {
     const FrameTriangle& source = frame.triangles[id];
     const FramePrimitive& primitive = frame.primitives[source.primitive];
@@ -143,19 +133,38 @@ void SetUpTile(const FrameScene& frame, std::span<const PrimitiveTraits> traits,
     triangle.id = id;
     triangle.cull_back = traits[source.primitive].cull_back;
     triangle.needs_position = traits[source.primitive].needs_position;
-    for (int i = 0; i < 3; ++i) {
-      const RasterPoint& open = frame.ControlPoint(primitive, source.vertices[i], 0);
-      triangle.open[i] = RelativeTo(rect, open);
-      if (primitive.degree == 0) continue;
-      const RasterPoint& close = frame.ControlPoint(primitive, source.vertices[i], 1);
-      triangle.close[i] = RelativeTo(rect, close);
-      // A triangle at rest in a moving primitive is at rest: it pays nothing for time.
-      triangle.moves |= !(open == close);
+    for (const uint32_t vertex : source.vertices) {
+      const RasterPoint* points = frame.ControlPoints(primitive, vertex);
+      for (int i = 1; i < primitive.PointsPerVertex(); ++i) triangle.moves |= !(points[i] == points[0]);
     }
-    if (!BoundTime(tile, triangle)) continue;
-    BoundProjection(pattern, tile, triangle);
+    // A triangle at rest in a moving primitive is at rest: it pays nothing for time.
+    const size_t count = triangle.moves ? size_t(primitive.PointsPerVertex()) : 1;
+    relative.resize(3 * count);
+    for (size_t k = 0; k < 3; ++k) {
+      const RasterPoint* points = frame.ControlPoints(primitive, source.vertices[k]);
+      for (size_t i = 0; i < count; ++i) relative[k * count + i] = RelativeTo(rect, points[i]);
+      triangle.open[k] = relative[k * count];
+      triangle.close[k] = relative[k * count + count - 1];
+    }
+    const TimeInterval inside = TimesInside({&relative[0], &relative[count], &relative[2 * count]},
+                                            triangle.moves ? primitive.degree : 0, primitive.pieces, box);
+    if (inside.IsEmpty()) continue;
+    triangle.t_in = inside.in;
+    triangle.t_out = inside.out;
+    BoundProjection(pattern, tile, {relative, count}, triangle);
     triangle.shading_bins_log2 = ShadingBinsLog2(traits[source.primitive], triangle);
+    first_coefficient.push_back(tile.curves.size());
+    if (count > 2) {
+      triangle.degree = primitive.degree;
+      triangle.pieces = primitive.pieces;
+      triangle.linear_pieces = primitive.linear_pieces;
+      AppendCurves(relative, count, primitive.degree, primitive.pieces, tile.curves);
+    }
     tile.triangles.push_back(triangle);
+  }
+  for (size_t i = 0; i < tile.triangles.size(); ++i) {
+    TileTriangle& triangle = tile.triangles[i];
+    if (triangle.degree * triangle.pieces > 1) triangle.curve = &tile.curves[first_coefficient[i]];
   }
   std::sort(tile.triangles.begin(), tile.triangles.end(), [](const TileTriangle& a, const TileTriangle& b) {
     return a.nearest_depth != b.nearest_depth ? a.nearest_depth > b.nearest_depth : a.id < b.id;

@@ -29,21 +29,39 @@ struct TileTriangle {
   /// Estimate of the longest raster path of a vertex over the shutter, pixels.
   double motion_pixels = 0;
   std::array<RasterPoint, 3> open, close;
+  /// Motion that is not one straight piece: `pieces` and `degree` as in FramePrimitive, and the curves in
+  /// TileTriangles::curves, as polynomials (BezierToPower): those of piece s, corner i begin at
+  /// (3 s + i) * (degree + 1). Null where the motion is straight between `open` and `close`.
+  int degree = 1, pieces = 1;
+  const RasterPoint* curve = nullptr;
+  /// Straight pieces, a power of two, that follow the curve within kChordPixels.
+  int linear_pieces = 1;
   /// Numbers of the lines of each family that it can touch, inclusive.
   std::array<int64_t, 2> first_line{}, last_line{};
 
   /// The vertices at shutter time t. A vertex at rest is returned bit for bit, whatever t, so that a
   /// moving triangle still shares its resting edges with its static neighbours.
   void VerticesAt(double t, RasterPoint* vertices) const {
+    if (curve != nullptr) {
+      const CurvePosition at = CurvePositionAt(pieces, t);
+      const RasterPoint* c = curve + 3 * at.piece * (degree + 1);
+      for (int i = 0; i < 3; ++i) vertices[i] = PowerPoint(c + i * (degree + 1), degree, at.u);
+      return;
+    }
     for (int i = 0; i < 3; ++i) vertices[i] = moves ? open[i] + t * (close[i] - open[i]) : open[i];
   }
 };
 
 /// All triangles that a tile may see, nearest first (by nearest_depth, then id).
 struct TileTriangles {
+  TileTriangles() = default;
+  TileTriangles(TileTriangles&&) = default;
+  TileTriangles& operator=(TileTriangles&&) = default;
+
   TileRect rect;
   double far_depth = 0;  ///< Depths below it are clipped.
   std::vector<TileTriangle> triangles;
+  std::vector<RasterPoint> curves;  ///< What triangles point to; so a copy would point elsewhere.
 };
 
 /// What of a primitive the resolver must know, made once a frame.
