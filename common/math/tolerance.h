@@ -55,6 +55,6 @@ inline constexpr double kPathDepth = 1e-4;
 
 /// Where a method takes motion as straight pieces, these stay this close to the curve, pixels. Guarded by
 /// `LinearPiecesFollowTheCurve`.
-inline constexpr double kChordPixels = 0.02;
+inline constexpr double kChordPixels = 0.01;
 
 }  // namespace shutterline

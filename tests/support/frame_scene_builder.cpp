@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "common/base/check.h"
+#include "worker/engine/scene/motion.h"
 
 namespace shutterline::engine {
 namespace {
@@ -24,12 +24,6 @@ std::vector<RasterPoint> ToVector(const std::array<RasterPoint, N>& points) {
 
 const std::vector<std::array<uint32_t, 3>> kOneTriangle{{0, 1, 2}};
 const std::vector<std::array<uint32_t, 3>> kTwoTriangles{{0, 1, 2}, {0, 2, 3}};
-
-/// Pixels that a vertex travels. Motion is linear in homogeneous space, so its raster path is straight.
-double PathPixels(const RasterPoint& open, const RasterPoint& close) {
-  if (open.z > open.w || close.z > close.w) return std::numeric_limits<double>::infinity();
-  return std::hypot(close.x / close.w - open.x / open.w, close.y / close.w - open.y / open.w);
-}
 
 }  // namespace
 
@@ -76,7 +70,21 @@ int FrameSceneBuilder::AddMesh(std::vector<RasterPoint> open, std::vector<Raster
   for (const auto& triangle : triangles) {
     for (const uint32_t vertex : triangle) SL_CHECK(vertex < open.size());
   }
-  parts_.push_back({std::move(open), std::move(close), triangles, look});
+  if (close.empty()) {
+    parts_.push_back({std::move(open), 0, 1, triangles, look});
+    return int(parts_.size()) - 1;
+  }
+  std::vector<RasterPoint> ends;
+  for (size_t v = 0; v < open.size(); ++v) ends.insert(ends.end(), {open[v], close[v]});
+  parts_.push_back({std::move(ends), 1, 1, triangles, look});
+  return int(parts_.size()) - 1;
+}
+
+int FrameSceneBuilder::AddCurvedMesh(std::vector<RasterPoint> control_points, int degree, int pieces,
+                                     const std::vector<std::array<uint32_t, 3>>& triangles,
+                                     const FlatLook& look) {
+  SL_CHECK(control_points.size() % size_t(degree * pieces + 1) == 0);
+  parts_.push_back({std::move(control_points), degree, pieces, triangles, look});
   return int(parts_.size()) - 1;
 }
 
@@ -148,7 +156,7 @@ std::shared_ptr<const FrameScene> FrameSceneBuilder::Build() const {
     material.double_sided = part.look.double_sided;
     scene->materials.push_back(material);
     MeshPrimitive source;
-    source.positions.resize(part.open.size());
+    source.positions.resize(part.VertexCount());
     source.colors = part.look.vertex_colors;
     source.triangles = part.triangles;
     source.material = int(p);
@@ -172,17 +180,18 @@ std::shared_ptr<const FrameScene> FrameSceneBuilder::Build() const {
     primitive.first_triangle = uint32_t(frame->triangles.size());
     primitive.triangle_count = uint32_t(part.triangles.size());
     primitive.first_vertex = vertex_count;
-    primitive.vertex_count = uint32_t(part.open.size());
-    primitive.degree = part.close.empty() ? 0 : 1;
+    primitive.vertex_count = uint32_t(part.VertexCount());
+    primitive.degree = part.degree;
+    primitive.pieces = part.pieces;
     primitive.uniform_colors = std::ranges::all_of(
         part.look.vertex_colors, [&](const V4f& c) { return c == part.look.vertex_colors[0]; });
     primitive.first_control_point = frame->control_points.size();
-    for (size_t v = 0; v < part.open.size(); ++v) {
-      frame->control_points.push_back(part.open[v]);
-      if (primitive.degree == 0) continue;
-      frame->control_points.push_back(part.close[v]);
-      primitive.motion_pixels = std::max(primitive.motion_pixels, PathPixels(part.open[v], part.close[v]));
-    }
+    frame->control_points.insert(frame->control_points.end(), part.control_points.begin(),
+                                 part.control_points.end());
+    const ControlPointFacts facts =
+        FactsOf(view_, *primitive.source, part.degree, part.pieces, part.control_points);
+    primitive.motion_pixels = facts.motion_pixels;
+    primitive.linear_pieces = LinearPiecesFor(part.degree, part.pieces, facts.chord_pixels);
     for (const auto& t : part.triangles) {
       frame->triangles.push_back(
           {{vertex_count + t[0], vertex_count + t[1], vertex_count + t[2]}, uint32_t(p)});

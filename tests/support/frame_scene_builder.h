@@ -44,6 +44,10 @@ class FrameSceneBuilder {
   int AddViewMesh(const std::vector<V3d>& open, const std::vector<V3d>& close,
                   const std::vector<std::array<uint32_t, 3>>& triangles, const FlatLook& look = {});
 
+  /// Any mesh on Bezier curves: pieces * degree + 1 control points a vertex, one vertex after the other.
+  int AddCurvedMesh(std::vector<RasterPoint> control_points, int degree, int pieces,
+                    const std::vector<std::array<uint32_t, 3>>& triangles, const FlatLook& look = {});
+
   int AddRasterTriangle(const std::array<RasterPoint, 3>& vertices, const FlatLook& look = {});
   int AddRasterTriangle(const std::array<RasterPoint, 3>& open, const std::array<RasterPoint, 3>& close,
                         const FlatLook& look = {});
@@ -72,9 +76,12 @@ class FrameSceneBuilder {
 
  private:
   struct Part {
-    std::vector<RasterPoint> open, close;
+    std::vector<RasterPoint> control_points;
+    int degree = 0, pieces = 1;
     std::vector<std::array<uint32_t, 3>> triangles;
     FlatLook look;
+
+    size_t VertexCount() const { return control_points.size() / size_t(degree * pieces + 1); }
   };
 
   FrameView view_;

@@ -56,6 +56,7 @@ std::optional<RasterBounds> BoundsAt(const FrameScene& frame, const FrameTriangl
 struct RandomSceneOptions {
   int triangles = 300;
   double moving_fraction = 0.5;
+  double curved_fraction = 0;
   double nearest = -3, farthest = 30;  ///< Distances of triangle centres; negative: behind the eye.
 };
 
@@ -76,7 +77,18 @@ std::shared_ptr<const FrameScene> RandomScene(const FrameView& view, unsigned se
       open[k] = size * (centre + radius * V3d(symmetric(), symmetric(), symmetric()));
       close[k] = open[k] + size * (shift + 0.3 * radius * V3d(symmetric(), symmetric(), symmetric()));
     }
-    if (unit(random) < options.moving_fraction) {
+    if (unit(random) < options.curved_fraction) {
+      const int degree = 1 + int(random() % 3), pieces = 1 << random() % 4;
+      std::vector<RasterPoint> curves;
+      for (size_t k = 0; k < 3; ++k) {
+        for (int c = 0; c <= degree * pieces; ++c) {
+          const V3d bend(symmetric(), symmetric(), symmetric());
+          curves.push_back(builder.Raster(open[k] + (close[k] - open[k]) * (c / double(degree * pieces)) +
+                                          size * 0.7 * bend));
+        }
+      }
+      builder.AddCurvedMesh(curves, degree, pieces, {{0, 1, 2}});
+    } else if (unit(random) < options.moving_fraction) {
       builder.AddViewTriangle(open, close);
     } else {
       builder.AddViewTriangle(open);
@@ -144,6 +156,21 @@ TEST(Bvh, MissesNothingThatCrossesTheNearPlane) {
   for (unsigned seed = 100; seed < 108; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     ExpectNothingMissed(RandomScene(PerspectiveView(160, 100, 1.2, 0.3), seed, options));
+  }
+}
+
+TEST(Bvh, MissesNothingOnCurves) {
+  RandomSceneOptions options;
+  options.triangles = 150;
+  options.curved_fraction = 0.8;
+  for (unsigned seed = 200; seed < 212; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    options.nearest = seed % 3 == 0 ? -0.5 : -3;
+    options.farthest = seed % 3 == 0 ? 3 : 30;
+    ExpectNothingMissed(RandomScene(seed % 4 == 1
+                                        ? OrthographicView(200, 150, 2, 0.1, 20)
+                                        : PerspectiveView(200, 150, 0.9, 0.1, seed % 2 ? 20.0 : 0.0),
+                                    seed, options));
   }
 }
 

@@ -56,8 +56,9 @@ TEST(FrameInfo, CountsByDegree) {
   const auto frame = BuildFrameScene(b.scene, 0, SquareSettings());
   ASSERT_TRUE(frame.ok());
   const FrameInfo info = DescribeFrame(**frame);
-  EXPECT_EQ(info.primitives_by_degree, (std::vector<int64_t>{2, 1}));
-  EXPECT_EQ(info.triangles_by_degree, (std::vector<int64_t>{2, 1}));
+  EXPECT_EQ(info.primitives_by_degree, (std::vector<int64_t>{2, 1, 0, 0}));
+  EXPECT_EQ(info.triangles_by_degree, (std::vector<int64_t>{2, 1, 0, 0}));
+  EXPECT_EQ(info.moving_by_pieces, (std::map<int, int64_t>{{1, 1}}));
   EXPECT_EQ(info.vertices, 9);
   EXPECT_NEAR(info.largest_motion_pixels, 20, 1e-9);
 }

@@ -18,7 +18,7 @@ constexpr size_t kCheckedKeys = 32;
 constexpr size_t kTriedVertices = 256;
 /// Where nothing is within tolerance, a lower degree is taken if its error is within this factor of the best:
 /// a curve of higher degree swings about a jump.
-constexpr double kGoodEnough = 1.25;
+constexpr double kGoodEnough = 2;
 /// In no simple proportion to keys, so that nothing periodic hides from all check times.
 constexpr double kOddTime = 0.41421356;
 
