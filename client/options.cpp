@@ -91,10 +91,14 @@ void AddPictureOptions(CLI::App& app, JobOptions& o) {
 
 void AddMethodOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* integrator = AddValue(
-      app, "--integrator", "line|reference", "line",
-      "line: analytic along line samples; reference: points in\npixel and time (ground truth)",
-      [&](const std::string& t) { return StoreWord(ParseIntegrator(t), s.integrator, "line or reference"); });
+  auto* integrator =
+      AddValue(app, "--integrator", "line|reference|stochastic", "line",
+               "line: analytic along line samples; reference: rays at\npoints in pixel and time (ground "
+               "truth); stochastic:\n"
+               "moving triangles rasterized at such points",
+               [&](const std::string& t) {
+                 return StoreWord(ParseIntegrator(t), s.integrator, "line, reference or stochastic");
+               });
   auto* pattern = AddValue(app, "--pattern", "1h1v|2h2v|4h4v|rgls", "rgls",
                            "Lines through each pixel: horizontal and vertical,\nor a rotated grid",
                            [&](const std::string& t) {
@@ -118,10 +122,12 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                  s.time_samples = count;
                  return absl::OkStatus();
                });
-  auto* spp = AddValue(app, "--spp", "N", "64", absl::StrCat("reference: points a pixel, 1 to ", kMaxSpp),
-                       [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
-  auto* seed = AddValue(app, "--seed", "N", "0", "reference: pictures of different seeds are independent",
-                        [&](const std::string& t) { return Store(ParseUnsigned(t), s.seed); });
+  auto* spp =
+      AddValue(app, "--spp", "N", "64", absl::StrCat("reference, stochastic: points a pixel, 1 to ", kMaxSpp),
+               [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
+  auto* seed =
+      AddValue(app, "--seed", "N", "0", "reference, stochastic: pictures of different seeds are\nindependent",
+               [&](const std::string& t) { return Store(ParseUnsigned(t), s.seed); });
   time_step->excludes(time_samples);
   time_samples->excludes(time_step);
   for (CLI::Option* option : {integrator, pattern, resolver, time_step, time_samples, spp, seed}) {

@@ -12,6 +12,7 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(OpenSSL REQUIRED)
+find_package(hwy CONFIG REQUIRED)  # Highway: vectors with dispatch at run time.
 
 # Embree 4 where it is installed, else Embree 3: `worker/engine/accel/embree.h` hides the difference.
 find_package(embree 4 CONFIG QUIET)

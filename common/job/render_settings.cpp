@@ -13,8 +13,9 @@ namespace {
 template <typename Enum, size_t N>
 using Words = std::array<std::pair<Enum, absl::string_view>, N>;
 
-constexpr Words<IntegratorKind, 2> kIntegrators{
-    {{IntegratorKind::kLine, "line"}, {IntegratorKind::kReference, "reference"}}};
+constexpr Words<IntegratorKind, 3> kIntegrators{{{IntegratorKind::kLine, "line"},
+                                                 {IntegratorKind::kReference, "reference"},
+                                                 {IntegratorKind::kStochastic, "stochastic"}}};
 constexpr Words<PatternKind, 4> kPatterns{{{PatternKind::k1h1v, "1h1v"},
                                            {PatternKind::k2h2v, "2h2v"},
                                            {PatternKind::k4h4v, "4h4v"},

@@ -9,7 +9,7 @@
 
 namespace shutterline {
 
-enum class IntegratorKind { kLine, kReference };
+enum class IntegratorKind { kLine, kReference, kStochastic };
 enum class PatternKind { k1h1v, k2h2v, k4h4v, kRgls };
 enum class ResolverKind { kSlice };
 enum class PixelType { kHalf, kFloat };
@@ -45,8 +45,8 @@ struct RenderSettings {
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
-  int spp = 64;       ///< Reference integrator: points (x, y, t) a pixel, 1 to kMaxSpp.
-  uint64_t seed = 0;  ///< Reference integrator: frames of different seeds are independent estimates.
+  int spp = 64;       ///< Reference and stochastic integrators: points (x, y, t) a pixel, 1 to kMaxSpp.
+  uint64_t seed = 0;  ///< The same two: frames of different seeds are independent estimates.
 
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };

@@ -15,8 +15,10 @@ namespace {
 template <typename Ours, typename Theirs, size_t N>
 using Pairs = std::array<std::pair<Ours, Theirs>, N>;
 
-constexpr Pairs<IntegratorKind, v1::Integrator, 2> kIntegrators{
-    {{IntegratorKind::kLine, v1::INTEGRATOR_LINE}, {IntegratorKind::kReference, v1::INTEGRATOR_REFERENCE}}};
+constexpr Pairs<IntegratorKind, v1::Integrator, 3> kIntegrators{
+    {{IntegratorKind::kLine, v1::INTEGRATOR_LINE},
+     {IntegratorKind::kReference, v1::INTEGRATOR_REFERENCE},
+     {IntegratorKind::kStochastic, v1::INTEGRATOR_STOCHASTIC}}};
 constexpr Pairs<PatternKind, v1::Pattern, 4> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
                                                         {PatternKind::k2h2v, v1::PATTERN_2H2V},
                                                         {PatternKind::k4h4v, v1::PATTERN_4H4V},

@@ -26,7 +26,7 @@ struct Options {
   int only_reference = 0;
   double shutter_close = 0.5, fps = 24, time_step = 1;
   int time_samples = 0;
-  std::vector<int> ladder;
+  std::vector<int> ladder, stochastic;
   std::vector<int> window;
   bool flat = false;
 };
@@ -127,13 +127,18 @@ int Run(const Options& options) {
   const auto moving = OrExit(MaskMotion(scene, options.frame, settings, how));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
-  for (const int spp : options.ladder) {
-    reference.spp = spp;
-    reference.seed = 303;
-    const RenderedFrame rival = OrExit(RenderFrame(scene, options.frame, reference, how));
-    const std::string name = "reference, " + std::to_string(spp) + " spp";
-    PrintStages(name.c_str(), rival);
-    PrintError(name.c_str(), rival.image, a.image, b.image, moving);
+  for (const auto& [integrator, ladder] : {std::pair(IntegratorKind::kReference, &options.ladder),
+                                           {IntegratorKind::kStochastic, &options.stochastic}}) {
+    RenderSettings rival = reference;
+    rival.integrator = integrator;
+    rival.seed = 303;
+    for (const int spp : *ladder) {
+      rival.spp = spp;
+      const RenderedFrame frame = OrExit(RenderFrame(scene, options.frame, rival, how));
+      const std::string name = std::string(ToString(integrator)) + ", " + std::to_string(spp) + " spp";
+      PrintStages(name.c_str(), frame);
+      PrintError(name.c_str(), frame.image, a.image, b.image, moving);
+    }
   }
   return 0;
 }
@@ -161,6 +166,7 @@ int main(int argc, char** argv) {
   app.add_option("--half-spp", o.half_spp, "Points a pixel of each half of the reference; 0: no reference");
   app.add_option("--only-reference", o.only_reference, "Nothing but the reference, at these points a pixel");
   app.add_option("--ladder", o.ladder, "Also time the reference at these points a pixel");
+  app.add_option("--stochastic", o.stochastic, "Also time the stochastic integrator at these points a pixel");
   app.add_flag("--flat", o.flat, "Unlit flat colours instead of the scene's materials");
   app.add_option("--save", o.save, "Prefix of pictures to write");
   CLI11_PARSE(app, argc, argv);

@@ -2,6 +2,7 @@
 
 #include "worker/engine/reference/embree_tracer.h"
 #include "worker/engine/render/line_integrator.h"
+#include "worker/engine/stochastic/stochastic_integrator.h"
 
 namespace shutterline::engine {
 
@@ -12,6 +13,8 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
       return LineIntegrator::Create(std::move(frame_scene), settings, threads);
     case IntegratorKind::kReference:
       return EmbreeTracer::Create(std::move(frame_scene), frame, settings, threads);
+    case IntegratorKind::kStochastic:
+      return StochasticIntegrator::Create(std::move(frame_scene), frame, settings, threads);
   }
   return absl::InvalidArgumentError("render settings: unknown integrator");
 }

@@ -23,8 +23,8 @@ class TileIntegrator {
   virtual void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const = 0;
 };
 
-/// The integrator that `settings.integrator` names, ready to render `frame` (for the reference: the frame
-/// number seeds the samples). Builds what the method needs, as its BVH, with up to `threads` threads.
+/// The integrator that `settings.integrator` names, ready to render `frame` (for the reference and the
+/// stochastic integrator the frame number seeds the samples). Builds what the method needs, as its BVH, with up to `threads` threads.
 absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads);
 

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <absl/container/flat_hash_map.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/job/tile.h"
+#include "worker/engine/render/stats.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/stochastic/cell.h"
+#include "worker/engine/stochastic/pass_raster.h"
+
+namespace shutterline::engine {
+
+/// Turns what a cell's samples see into pixels under a box filter.
+///
+/// A triangle whose shading is constant is shaded once a cell, and its colour is added sample by sample.
+/// Others are shaded once for each pixel that sees them (and each shading bin of the shutter), at the mean
+/// position of the pixel's samples on them. Sums run through the strata in order: they do not depend on
+/// how passes are cut.
+class CellFilm {
+ public:
+  /// Empties, for a part of a cell and its triangles, which must live on.
+  void Reset(const FrameScene& frame, const CellTriangles& cell);
+
+  void AddPass(const Pass& pass, const PassBuffers& buffers);
+
+  /// Writes the pixels of `pass`'s part of the cell, whose corner is (x, y), into `rgba`, the pixels of
+  /// `rect`. Adds the shaded pairs to `stats`.
+  void Write(const Pass& pass, int x, int y, const TileRect& rect, std::span<float> rgba, RenderStats& stats);
+
+ private:
+  struct Rgba {
+    float r = 0, g = 0, b = 0, a = 0;
+  };
+  /// What one pixel sees of one triangle in one shading bin.
+  struct Pair {
+    uint32_t triangle = 0;  ///< Index in the cell.
+    uint32_t bin = 0;
+    uint32_t count = 0;
+    uint32_t next = 0;  ///< Of the pixel; 0: none.
+    double b1 = 0, b2 = 0;
+  };
+
+  void AddConstant(const Pass& pass, const PassBuffers& buffers);
+  void AddVarying(const Pass& pass, const PassBuffers& buffers);
+  const Rgba& ColorOf(uint32_t seen);
+  Pair& PairOf(int pixel, uint32_t triangle, uint32_t bin);
+  V3f ShadePair(const Pair& pair) const;
+
+  const FrameScene* frame_ = nullptr;
+  const CellTriangles* cell_ = nullptr;
+  bool varying_ = false;  ///< Some triangle needs a position.
+  /// By what is seen: 0 is the background. Alpha is negative where it has not been shaded yet.
+  std::vector<Rgba> colors_;
+  std::vector<Rgba> group_;                   ///< By pixel of the cell: sums of the present group of strata.
+  std::vector<std::array<double, 4>> total_;  ///< By pixel: sums of all finished groups.
+  std::vector<Pair> pairs_;                   ///< The first is unused.
+  std::vector<uint32_t> first_pair_, latest_pair_;  ///< By pixel.
+  std::vector<uint32_t> pair_count_;
+  absl::flat_hash_map<std::array<uint32_t, 3>, uint32_t> index_;  ///< Of pixels with many pairs.
+};
+
+}  // namespace shutterline::engine
