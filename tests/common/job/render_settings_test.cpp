@@ -85,8 +85,8 @@ void ExpectWords(std::vector<Enum> values, Parse parse) {
 }
 
 TEST(RenderSettings, WordRoundTrips) {
-  ExpectWords<IntegratorKind>({IntegratorKind::kLine, IntegratorKind::kReference, IntegratorKind::kStochastic},
-                              ParseIntegrator);
+  ExpectWords<IntegratorKind>(
+      {IntegratorKind::kLine, IntegratorKind::kReference, IntegratorKind::kStochastic}, ParseIntegrator);
   ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls},
                            ParsePattern);
   ExpectWords<ResolverKind>({ResolverKind::kSlice}, ParseResolver);

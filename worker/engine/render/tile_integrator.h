@@ -24,7 +24,8 @@ class TileIntegrator {
 };
 
 /// The integrator that `settings.integrator` names, ready to render `frame` (for the reference and the
-/// stochastic integrator the frame number seeds the samples). Builds what the method needs, as its BVH, with up to `threads` threads.
+/// stochastic integrator the frame number seeds the samples). Builds what the method needs, as its BVH, with
+/// up to `threads` threads.
 absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads);
 
