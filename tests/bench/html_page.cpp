@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kStyle = R"(
   :root { color-scheme: light; }
   body { font: 16px/1.55 Georgia, 'Times New Roman', serif; color: #1d1d1f; background: #fff;
-         max-width: 1000px; margin: 3rem auto 5rem; padding: 0 1.5rem; }
+         max-width: 1080px; margin: 3rem auto 5rem; padding: 0 1.5rem; }
   h1 { font-size: 2rem; line-height: 1.2; margin: 0 0 1rem; }
   h2 { font-size: 1.3rem; margin: 2.6rem 0 .6rem; padding-bottom: .2rem; border-bottom: 1px solid #ddd; }
   p { max-width: 46rem; }
@@ -21,9 +21,9 @@ constexpr const char* kStyle = R"(
   .row svg { max-width: 100%; height: auto; }
   figcaption, caption { font-size: .87rem; color: #555; text-align: left; padding: .5rem 0 0; max-width: 52rem; }
   caption { caption-side: bottom; }
-  table { border-collapse: collapse; font: 14px/1.45 'Helvetica Neue', Helvetica, Arial, sans-serif;
+  table { border-collapse: collapse; font: 13.5px/1.45 'Helvetica Neue', Helvetica, Arial, sans-serif;
           margin: 1rem 0 2rem; font-variant-numeric: tabular-nums; }
-  th, td { padding: .28rem .8rem; text-align: right; white-space: nowrap; }
+  th, td { padding: .28rem .6rem; text-align: right; white-space: nowrap; }
   th:first-child, td:first-child { text-align: left; padding-left: 0; }
   thead th { border-top: 2px solid #222; border-bottom: 1px solid #222; font-weight: 600; }
   tbody tr:last-child td { border-bottom: 2px solid #222; }

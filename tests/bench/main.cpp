@@ -6,6 +6,8 @@
 
 namespace {
 
+using shutterline::bench::Against;
+using shutterline::bench::MeasureOne;
 using shutterline::bench::ReportOptions;
 
 struct Part {
@@ -19,6 +21,22 @@ constexpr Part kParts[] = {
      shutterline::bench::SpeedVsError},
 };
 
+void AddOptions(CLI::App& sub, ReportOptions& options, std::string& clock) {
+  sub.add_flag("--quick", options.quick,
+               "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
+  sub.add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
+  sub.add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
+  sub.add_option("--threads", options.threads, "Threads of every method")->check(CLI::Range(1, 1024));
+  sub.add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
+      ->check(CLI::IsMember({"wall", "cpu"}));
+  sub.add_option("--scenes", options.scenes, "Only these scenes");
+  sub.add_option("--contenders", options.contenders, "Only these methods");
+  sub.add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")
+      ->check(CLI::Range(1, 32));
+  sub.add_option("--spp", options.spp, "Points a pixel of references, a multiple of 64")
+      ->check(CLI::Range(64, 1 << 16));
+}
+
 }  // namespace
 
 /// Exit codes: 0 success, 1 failed (a NaN in a picture is a failure), 2 usage.
@@ -30,23 +48,24 @@ int main(int argc, char** argv) {
   options.threads = int(std::max(1u, std::thread::hardware_concurrency()));
   std::string clock = "wall";
   const Part* chosen = nullptr;
+  std::string against, scene, contender;
+  int rung = -1;
   for (const Part& part : kParts) {
     CLI::App* sub = app.add_subcommand(part.name, part.summary);
-    sub->add_flag("--quick", options.quick,
-                  "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
-    sub->add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
-    sub->add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
-    sub->add_option("--threads", options.threads, "Threads of every method")->check(CLI::Range(1, 1024));
-    sub->add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
-        ->check(CLI::IsMember({"wall", "cpu"}));
-    sub->add_option("--scenes", options.scenes, "Only these scenes");
-    sub->add_option("--contenders", options.contenders, "Only these methods");
-    sub->add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")
-        ->check(CLI::Range(1, 32));
-    sub->add_option("--spp", options.spp, "Points a pixel of references, a multiple of 64")
-        ->check(CLI::Range(64, 1 << 16));
+    AddOptions(*sub, options, clock);
+    if (&part == kParts) {
+      sub->add_option(
+          "--against", against,
+          "Instead, run the default settings by this build and by the one in this folder, turn by "
+          "turn, and print the ratios of their times");
+    }
     sub->callback([&chosen, &part] { chosen = &part; });
   }
+  CLI::App* one = app.add_subcommand("measure-one", "One measurement, for --against: scene, method, rung");
+  one->add_option("scene", scene)->required();
+  one->add_option("contender", contender)->required();
+  one->add_option("rung", rung);
+  AddOptions(*one, options, clock);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -54,7 +73,9 @@ int main(int argc, char** argv) {
   }
   options.cpu_clock = clock == "cpu";
   options.spp -= options.spp % 64;
-  const absl::Status status = chosen->run(options);
+  const absl::Status status = chosen == nullptr  ? MeasureOne(options, scene, contender, rung)
+                              : !against.empty() ? Against(options, against)
+                                                 : chosen->run(options);
   if (!status.ok()) {
     std::fprintf(stderr, "shutterline-bench: %s\n", std::string(status.message()).c_str());
     return 1;

@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -134,16 +135,63 @@ std::vector<std::vector<LineStep>> StepsOf(const engine::LinePattern& pattern,
   return steps;
 }
 
-/// One tile of a line-restricted reference, from points of one seed.
+/// Sums of one pixel's hits on one triangle.
+struct Pair {
+  uint32_t triangle;
+  double hits, b1, b2, t;
+};
+
+/// The pixel's mean colour, every hit shaded on its own; added to rgba[0..3].
+void ShadeHits(const PointProbe& probe, std::span<const ProbePoint> points, std::span<const ProbeHit> hits,
+               float* rgba) {
+  double sum[4] = {0, 0, 0, 0};
+  for (size_t i = 0; i < hits.size(); ++i) {
+    if (!hits[i].hit) continue;
+    const V3f radiance = probe.Radiance(hits[i], points[i].t);
+    for (int c = 0; c < 3; ++c) sum[c] += double(radiance[c]);
+    sum[3] += 1;
+  }
+  for (int c = 0; c < 4; ++c) rgba[c] = float(sum[c] / double(hits.size()));
+}
+
+/// The same, every triangle shaded once.
+void ShadePairs(const PointProbe& probe, std::span<const ProbePoint> points, std::span<const ProbeHit> hits,
+                std::vector<Pair>& pairs, float* rgba) {
+  pairs.clear();
+  for (size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].hit) pairs.push_back({hits[i].triangle, 1, hits[i].b1, hits[i].b2, points[i].t});
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.triangle < b.triangle; });
+  double sum[4] = {0, 0, 0, 0};
+  for (size_t i = 0; i < pairs.size();) {
+    Pair mean = pairs[i];
+    for (++i; i < pairs.size() && pairs[i].triangle == mean.triangle; ++i) {
+      mean.hits += 1;
+      mean.b1 += pairs[i].b1;
+      mean.b2 += pairs[i].b2;
+      mean.t += pairs[i].t;
+    }
+    const ProbeHit at{true, mean.triangle, mean.b1 / mean.hits, mean.b2 / mean.hits};
+    const V3f radiance = probe.Radiance(at, mean.t / mean.hits);
+    for (int c = 0; c < 3; ++c) sum[c] += mean.hits * double(radiance[c]);
+    sum[3] += mean.hits;
+  }
+  for (int c = 0; c < 4; ++c) rgba[c] = float(sum[c] / double(hits.size()));
+}
+
+/// One tile of a line-restricted reference, from points of one seed: the picture of traced hits and, `offset`
+/// values behind it, that of pairs.
 void RenderLineTile(const PointProbe& probe, const engine::LinePattern& pattern, const TileRect& rect,
-                    int spp, const std::vector<engine::PointPattern>& points_of_step, float* rgba) {
+                    int spp, const std::vector<engine::PointPattern>& points_of_step, float* rgba,
+                    size_t offset) {
   const std::vector<engine::TileLine> lines = pattern.LinesIn(rect);
   const auto steps = StepsOf(pattern, lines, rect);
   const int per_step = std::max(1, spp / pattern.StepsPerPixel());
   std::vector<ProbePoint> points;
   std::vector<ProbeHit> hits;
+  std::vector<Pair> pairs;
   for (int y = 0; y < rect.height; ++y) {
-    for (int x = 0; x < rect.width; ++x) {
+    for (int x = 0; x < rect.width; ++x, rgba += 4) {
       points.clear();
       const auto& own = steps[size_t(y) * size_t(rect.width) + size_t(x)];
       SL_CHECK(int(own.size()) == pattern.StepsPerPixel());
@@ -159,16 +207,8 @@ void RenderLineTile(const PointProbe& probe, const engine::LinePattern& pattern,
       }
       hits.resize(points.size());
       probe.See(points, hits);
-      double sum[4] = {0, 0, 0, 0};
-      for (size_t i = 0; i < hits.size(); ++i) {
-        if (!hits[i].hit) continue;
-        const V3f radiance = probe.Radiance(hits[i], points[i].t);
-        sum[0] += double(radiance.x);
-        sum[1] += double(radiance.y);
-        sum[2] += double(radiance.z);
-        sum[3] += 1;
-      }
-      for (const double value : sum) *rgba++ = float(value / double(hits.size()));
+      ShadeHits(probe, points, hits, rgba);
+      ShadePairs(probe, points, hits, pairs, rgba + offset);
     }
   }
 }
@@ -198,25 +238,38 @@ absl::StatusOr<ReferenceHalves> RenderReference(std::shared_ptr<const engine::Fr
   });
 }
 
-absl::StatusOr<ReferenceHalves> RenderLineReference(const PointProbe& probe, int frame,
-                                                    const RenderSettings& settings, const TileSubset& subset,
-                                                    int spp, int threads, const ReferenceCache& cache) {
+absl::StatusOr<LineReference> RenderLineReference(const PointProbe& probe, int frame,
+                                                  const RenderSettings& settings, const TileSubset& subset,
+                                                  int spp, int threads, const ReferenceCache& cache) {
   const auto& pattern = engine::LinePattern::Get(settings.pattern);
   const std::string key =
       CacheKey(probe.frame_scene(), subset,
                absl::StrCat("lines;", std::string(ToString(settings.pattern)), ";", frame, ";", spp));
-  return Cached(key, subset, spp, cache, [&](int chunk) -> absl::StatusOr<Image> {
-    std::vector<engine::PointPattern> points;
-    for (int step = 0; step < pattern.StepsPerPixel(); ++step) {
-      points.emplace_back(8000001 + uint64_t(chunk) * 64 + uint64_t(step), frame);
-    }
-    Image stack = StackedImage(subset);
-    ParallelFor(int(subset.tiles.size()), threads, [&](int index, int) {
-      RenderLineTile(probe, pattern, subset.tiles[size_t(index)], spp / (2 * kChunksPerHalf), points,
-                     stack.At(0, index * kTileSize));
-    });
-    return stack;
-  });
+  // Both pictures are rendered at once, as one of twice the tiles.
+  TileSubset both = subset;
+  both.tiles.insert(both.tiles.end(), subset.tiles.begin(), subset.tiles.end());
+  const size_t offset = StackedImage(subset).values().size();
+  SL_ASSIGN_OR_RETURN(const ReferenceHalves halves, Cached(key, both, spp, cache, [&](int chunk) {
+                        std::vector<engine::PointPattern> points;
+                        for (int step = 0; step < pattern.StepsPerPixel(); ++step) {
+                          points.emplace_back(8000001 + uint64_t(chunk) * 64 + uint64_t(step), frame);
+                        }
+                        Image stack = StackedImage(both);
+                        ParallelFor(int(subset.tiles.size()), threads, [&](int index, int) {
+                          RenderLineTile(probe, pattern, subset.tiles[size_t(index)],
+                                         spp / (2 * kChunksPerHalf), points, stack.At(0, index * kTileSize),
+                                         offset);
+                        });
+                        return absl::StatusOr<Image>(std::move(stack));
+                      }));
+  LineReference result;
+  for (const auto& [from, part] : {std::pair(size_t(0), &result.traced), {offset, &result.cached}}) {
+    part->spp = spp;
+    part->a = part->b = StackedImage(subset);
+    std::copy_n(halves.a.values().begin() + ptrdiff_t(from), offset, part->a.values().begin());
+    std::copy_n(halves.b.values().begin() + ptrdiff_t(from), offset, part->b.values().begin());
+  }
+  return result;
 }
 
 }  // namespace shutterline::bench

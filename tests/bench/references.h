@@ -34,11 +34,18 @@ absl::StatusOr<ReferenceHalves> RenderReference(std::shared_ptr<const engine::Fr
                                                 const TileSubset& subset, int spp, int threads,
                                                 const ReferenceCache& cache);
 
+struct LineReference {
+  ReferenceHalves traced;  ///< Every point shaded where it hits, as the reference does.
+  /// From the same points, every (triangle, pixel) pair shaded once, at the mean of its hits, as the line
+  /// integrator does (but for textures that move, which it shades more often).
+  ReferenceHalves cached;
+};
+
 /// The same with all points on the lines of `settings.pattern`, uniform along them and over the shutter:
 /// what lines cannot see is missing from it too. What a line integrator differs from it is not the fault of
 /// its having few lines.
-absl::StatusOr<ReferenceHalves> RenderLineReference(const PointProbe& probe, int frame,
-                                                    const RenderSettings& settings, const TileSubset& subset,
-                                                    int spp, int threads, const ReferenceCache& cache);
+absl::StatusOr<LineReference> RenderLineReference(const PointProbe& probe, int frame,
+                                                  const RenderSettings& settings, const TileSubset& subset,
+                                                  int spp, int threads, const ReferenceCache& cache);
 
 }  // namespace shutterline::bench

@@ -49,9 +49,10 @@ struct RunRow {
   bool AtFloor() const { return errors.whole.d < 2 * errors.whole.standard_error; }
 };
 
-/// Where the error of our default setting comes from, mean squares: lines that are few, and all the rest.
+/// Where the error of our default setting comes from, as mean squares: lines that are few; one shade a
+/// (triangle, pixel) pair; and all the rest, which is the instants and the resolver.
 struct ErrorSplit {
-  UnbiasedError total, space, rest;
+  UnbiasedError total, space, shade, rest;
 };
 
 struct SceneResult {

@@ -30,22 +30,29 @@ absl::StatusOr<RunRow> RunRung(const LoadedScene& loaded, const BenchScene& scen
   return row;
 }
 
+/// mean (X − R)(X' − R'), of halves X, X' and R, R': the mean square of what tells X from R, without noise.
+absl::StatusOr<UnbiasedError> ProductOf(const ReferenceHalves& x, const ReferenceHalves& r) {
+  // MeasureUnbiasedError subtracts from one picture: X' − R' is told as X − (R' + X − X').
+  Image shifted = r.b;
+  for (size_t i = 0; i < shifted.values().size(); ++i) {
+    shifted.values()[i] += x.a.values()[i] - x.b.values()[i];
+  }
+  return MeasureUnbiasedError(x.a, r.a, shifted);
+}
+
 /// The total error of our default setting, split with a reference whose points lie on the same lines:
-/// (L − A)(L' − B) has the expectation of what lines cannot see, (T − L)(T − L') that of all the rest.
+/// (L − A)(L' − B) has the expectation of what lines cannot see. With C that reference shaded by pairs,
+/// (C − L)(C' − L') has that of shading once, and (T − C)(T − C') that of all the rest.
 absl::StatusOr<ErrorSplit> Split(const RunRow& row, const Image& picture, const PointProbe& probe,
                                  const BenchScene& scene, const TileSubset& subset,
                                  const ReferenceHalves& reference, const ReportOptions& options) {
-  SL_ASSIGN_OR_RETURN(const ReferenceHalves lines,
+  SL_ASSIGN_OR_RETURN(const LineReference lines,
                       RenderLineReference(probe, scene.frame, row.settings, subset, options.Spp() / 2,
                                           options.threads, {options.cache}));
-  ErrorSplit split{.total = row.errors.whole, .space = {}, .rest = {}};
-  SL_ASSIGN_OR_RETURN(split.rest, MeasureUnbiasedError(picture, lines.a, lines.b));
-  // The product needs one half of each: (L − A)(L' − B), from pictures in which L' − B is told as L − B'.
-  Image shifted = reference.b;
-  for (size_t i = 0; i < shifted.values().size(); ++i) {
-    shifted.values()[i] += lines.a.values()[i] - lines.b.values()[i];
-  }
-  SL_ASSIGN_OR_RETURN(split.space, MeasureUnbiasedError(lines.a, reference.a, shifted));
+  ErrorSplit split{.total = row.errors.whole, .space = {}, .shade = {}, .rest = {}};
+  SL_ASSIGN_OR_RETURN(split.rest, MeasureUnbiasedError(picture, lines.cached.a, lines.cached.b));
+  SL_ASSIGN_OR_RETURN(split.space, ProductOf(lines.traced, reference));
+  SL_ASSIGN_OR_RETURN(split.shade, ProductOf(lines.cached, lines.traced));
   return split;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/html_page.h"
 #include "tests/bench/report.h"
 
 /// What speed_vs_error.cpp is made of.
@@ -44,6 +45,11 @@ Mean MeanOf(const std::vector<RivalOnScene>& comparisons, int which, bool moving
 
 /// "line/slice": against which the others are held.
 extern const char* const kOurs;
+
+/// Tables of the page.
+void AddDefaultsTable(HtmlPage& page, const std::vector<SceneResult>& results, const ReportOptions& options);
+void AddSplitTable(HtmlPage& page, const std::vector<SceneResult>& results);
+void AddCullingTable(HtmlPage& page, const std::vector<SceneResult>& results);
 
 absl::Status WriteSpeedPage(const std::vector<SceneResult>& results, const std::vector<Contender>& contenders,
                             const ReportOptions& options);
