@@ -30,9 +30,7 @@ BenchScene Shared(const std::string& folder, const std::string& name, int frame,
           .settings = {}};
 }
 
-}  // namespace
-
-std::vector<BenchScene> AllBenchScenes() {
+std::vector<BenchScene> GeneratedScenes() {
   std::vector<BenchScene> scenes;
   for (const int cells : {16, 64}) {
     scenes.push_back(Generated("plane"));
@@ -43,16 +41,38 @@ std::vector<BenchScene> AllBenchScenes() {
     scenes.push_back(Generated(name));
   }
   scenes.push_back(Generated("static", /*moves=*/false));
-  const auto folder = FindSharedScenes();
-  if (!folder) return scenes;
-  scenes.push_back(Shared(*folder, "CesiumMilkTruck", 2));
-  scenes.push_back(Shared(*folder, "BoxAnimated", 36));
-  scenes.push_back(Shared(*folder, "VintageDeskFan", 10));
-  BenchScene rod = Shared(*folder, "RodTwist", 0);
-  rod.settings.fps = 1;
-  rod.settings.shutter_close = 1;
-  scenes.push_back(rod);
-  scenes.push_back(Shared(*folder, "OpenChessSet", 0, /*moves=*/false));
+  return scenes;
+}
+
+/// Looked for once: it says loudly where there are none.
+const std::vector<BenchScene>& SharedScenes() {
+  static const std::vector<BenchScene> shared = [] {
+    std::vector<BenchScene> scenes;
+    const auto folder = FindSharedScenes();
+    if (!folder) return scenes;
+    scenes.push_back(Shared(*folder, "CesiumMilkTruck", 2));
+    scenes.push_back(Shared(*folder, "BoxAnimated", 36));
+    scenes.push_back(Shared(*folder, "VintageDeskFan", 10));
+    scenes.push_back(Shared(*folder, "RodTwist", 0));
+    scenes.back().settings.fps = 1;  // Its only motion takes a second.
+    scenes.back().settings.shutter_close = 1;
+    scenes.push_back(Shared(*folder, "OpenChessSet", 0, /*moves=*/false));
+    return scenes;
+  }();
+  return shared;
+}
+
+const BenchScene* Find(const std::vector<BenchScene>& scenes, const std::string& name) {
+  const auto found =
+      std::find_if(scenes.begin(), scenes.end(), [&](const BenchScene& scene) { return scene.name == name; });
+  return found == scenes.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::vector<BenchScene> AllBenchScenes() {
+  std::vector<BenchScene> scenes = GeneratedScenes();
+  scenes.insert(scenes.end(), SharedScenes().begin(), SharedScenes().end());
   return scenes;
 }
 
@@ -61,17 +81,17 @@ std::vector<BenchScene> QuickBenchScenes() {
 }
 
 absl::StatusOr<std::vector<BenchScene>> BenchScenesNamed(const std::vector<std::string>& names) {
-  const std::vector<BenchScene> all = AllBenchScenes();
+  const std::vector<BenchScene> generated = GeneratedScenes();
   std::vector<BenchScene> result;
   for (const std::string& name : names) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const BenchScene& scene) { return scene.name == name; });
-    if (found == all.end()) {
+    const BenchScene* scene = Find(generated, name);
+    if (scene == nullptr) scene = Find(SharedScenes(), name);
+    if (scene == nullptr) {
       std::string known;
-      for (const BenchScene& scene : all) absl::StrAppend(&known, known.empty() ? "" : ", ", scene.name);
+      for (const BenchScene& s : AllBenchScenes()) absl::StrAppend(&known, known.empty() ? "" : ", ", s.name);
       return absl::NotFoundError(absl::StrCat("no scene is named '", name, "'; there are ", known));
     }
-    result.push_back(*found);
+    result.push_back(*scene);
   }
   return result;
 }

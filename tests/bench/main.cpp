@@ -19,6 +19,10 @@ struct Part {
 constexpr Part kParts[] = {
     {"speed-vs-error", "Ladders of every method on every scene: time against error",
      shutterline::bench::SpeedVsError},
+    {"motion", "Time and error against the length of motion", shutterline::bench::Motion},
+    {"stages", "Where the line integrator's time goes", shutterline::bench::Stages},
+    {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError},
+    {"patterns", "Patterns of lines on a still frame", shutterline::bench::Patterns},
 };
 
 void AddOptions(CLI::App& sub, ReportOptions& options, std::string& clock) {

@@ -13,7 +13,9 @@ Interval WilsonInterval(int64_t successes, int64_t trials, double z) {
   const double n = double(trials), p = double(successes) / n, z2 = z * z;
   const double middle = (p + z2 / (2 * n)) / (1 + z2 / n);
   const double half = z / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+  // Where none or all succeeded, that end is exact; the formula has a rounding there.
+  return {successes == 0 ? 0 : std::max(0.0, middle - half),
+          successes == trials ? 1 : std::min(1.0, middle + half)};
 }
 
 }  // namespace shutterline::bench
