@@ -69,7 +69,9 @@ absl::StatusOr<FlipFigures> MeasureFlip(const Image& test, const Image& referenc
   std::vector<FlipFigures> figures(static_cast<size_t>(count));
   std::vector<absl::Status> statuses(static_cast<size_t>(count));
   ParallelFor(count, threads, [&](int i, int) {
-    const Image a = TileOf(test, i * tiles / count), b = TileOf(reference, i * tiles / count);
+    // Steps of the golden ratio spread over rows and columns alike.
+    const int tile = tiles == count ? i : int(tiles * std::fmod(0.6180339887 * (i + 1), 1.0));
+    const Image a = TileOf(test, tile), b = TileOf(reference, tile);
     const auto low = FlipLdr(a, b), high = FlipHdr(a, b, exposures);
     if (!low.ok() || !high.ok()) {
       statuses[size_t(i)] = low.ok() ? high.status() : low.status();

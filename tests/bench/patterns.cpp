@@ -15,7 +15,7 @@
 namespace shutterline::bench {
 namespace {
 
-constexpr TileRect kCloseUp{352, 96, 96, 96};  // The raised arm of the armadillo; whole tiles.
+constexpr TileRect kCloseUp{480, 64, 96, 96};  // The head of the armadillo; whole tiles.
 
 /// Some tiles of a stack that holds the whole frame.
 Image CloseUp(const Image& stack, const TileSubset& whole) {

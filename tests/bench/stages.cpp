@@ -30,8 +30,8 @@ absl::Status Stages(const ReportOptions& options) {
       "14 of Gribel et al. 2011.");
   for (const Contender& contender : contenders) {
     if (contender.default_rung < 0) continue;
-    BarChart chart{.title = absl::StrCat(contender.name, ", CPU seconds of a frame"),
-                   .unit = "s",
+    BarChart chart{.title = absl::StrCat(contender.name, ": parts of a frame's CPU time, and all of it"),
+                   .unit = "%",
                    .part_labels = {"pose", "hierarchy", "cull", "set up", "resolve", "shade"},
                    .bars = {}};
     for (const BenchScene& scene : scenes) {
@@ -76,6 +76,10 @@ absl::Status Stages(const ReportOptions& options) {
                     Cell(s.segments),
                     Cell(s.spans),
                     Cell(s.pairs)});
+      double total = 0;
+      for (const double part : bar.parts) total += part;
+      for (double& part : bar.parts) part *= 100 / total;
+      bar.note = absl::StrFormat("%.3g s", total);
       chart.bars.push_back(std::move(bar));
     }
     const std::string svg = RenderBars(chart);
