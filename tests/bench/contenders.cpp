@@ -62,8 +62,8 @@ std::optional<Contender> Points(const std::string& integrator, const std::string
   const auto kind = ParseIntegrator(integrator);
   if (!kind) return std::nullopt;
   Contender points{.name = integrator, .color = color, .ours = false, .random = true, .ladder = {}};
-  const int most = quick ? 256 : 1024;
-  for (int spp = quick ? 4 : 1; spp <= most; spp *= 4) {
+  const int most = quick ? 256 : 4096;  // Ladders end sooner where runs get long.
+  for (int spp = 1; spp <= most; spp *= 4) {
     points.ladder.push_back({absl::StrCat(spp, " spp"), [=](RenderSettings& s) {
                                s.integrator = *kind;
                                s.spp = spp;

@@ -35,7 +35,10 @@ Mean MeanOf(const std::vector<RivalOnScene>& comparisons, int which, bool moving
   for (const RivalOnScene& c : comparisons) {
     if (moving_only && !c.moves) continue;
     const Reading& reading = which < 3 ? c.speed_up[which] : which == 3 ? c.at_best : c.error_ratio;
-    if (reading.kind != Reading::Kind::kExact && reading.kind != Reading::Kind::kAtLeast) continue;
+    if (reading.kind != Reading::Kind::kExact && reading.kind != Reading::Kind::kAtLeast) {
+      ++mean.without;
+      continue;
+    }
     mean.bounds += reading.kind == Reading::Kind::kAtLeast;
     if (values.empty() || reading.value < mean.worst) {
       mean.worst = reading.value;
@@ -50,10 +53,11 @@ Mean MeanOf(const std::vector<RivalOnScene>& comparisons, int which, bool moving
 
 std::string Mean::ToString() const {
   if (scenes == 0) return "–";
-  return absl::StrCat(bounds > 0 ? "> " : "", absl::StrFormat("%.3g", value), " over ", scenes,
-                      scenes == 1 ? " scene" : " scenes",
-                      bounds > 0 ? absl::StrCat(" (", bounds, " by a bound)") : "", "; worst ",
-                      absl::StrFormat("%.3g", worst), ", ", worst_scene);
+  std::string text = absl::StrCat(bounds > 0 ? "> " : "", absl::StrFormat("%.3g", value), " over ", scenes,
+                                  scenes == 1 ? " scene" : " scenes");
+  if (bounds > 0) absl::StrAppend(&text, " (", bounds, " by a bound)");
+  if (without > 0) absl::StrAppend(&text, " and ", without, " without a figure");
+  return absl::StrCat(text, "; worst ", absl::StrFormat("%.3g", worst), ", ", worst_scene);
 }
 
 }  // namespace shutterline::bench

@@ -32,6 +32,7 @@ struct RivalOnScene {
 /// that bound; and the least.
 struct Mean {
   int scenes = 0, bounds = 0;  ///< How many took part; how many of them with a bound from below.
+  int without = 0;             ///< Scenes without a figure: bounded from above, or not at all.
   double value = 0, worst = 0;
   std::string worst_scene;
 
