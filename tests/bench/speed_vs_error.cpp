@@ -21,6 +21,7 @@ absl::Status SpeedVsError(const ReportOptions& options) {
     results.push_back(std::move(result));
     // After every scene, so that a run that is cut short leaves what it has.
     SL_RETURN_IF_ERROR(WriteSpeedCsv(results, options));
+    SL_RETURN_IF_ERROR(WriteSpeedMarkdown(results, contenders, options));
     SL_RETURN_IF_ERROR(WriteSpeedPage(results, contenders, options));
   }
   std::printf("\n");
@@ -36,7 +37,7 @@ absl::Status SpeedVsError(const ReportOptions& options) {
     std::printf("  S at its best error  %s\n", MeanOf(comparisons, 3, false).ToString().c_str());
     std::printf("  Q in our default's time  %s\n", MeanOf(comparisons, 4, false).ToString().c_str());
   }
-  std::printf("\n%s\nDone in %.0f s; wrote %s/speed_vs_error.{csv,html} and %s/time_to_error_*.svg\n",
+  std::printf("\n%s\nDone in %.0f s; wrote %s/speed_vs_error.{csv,html,md} and %s/time_to_error_*.svg\n",
               Provenance(options).c_str(), watch.Wall(), options.output.c_str(), options.output.c_str());
   return absl::OkStatus();
 }

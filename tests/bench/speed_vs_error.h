@@ -52,6 +52,10 @@ void AddDefaultsTable(HtmlPage& page, const std::vector<SceneResult>& results, c
 void AddSplitTable(HtmlPage& page, const std::vector<SceneResult>& results);
 void AddCullingTable(HtmlPage& page, const std::vector<SceneResult>& results);
 
+/// The tables that docs/performance.md holds, as Markdown.
+absl::Status WriteSpeedMarkdown(const std::vector<SceneResult>& results,
+                                const std::vector<Contender>& contenders, const ReportOptions& options);
+
 absl::Status WriteSpeedPage(const std::vector<SceneResult>& results, const std::vector<Contender>& contenders,
                             const ReportOptions& options);
 
