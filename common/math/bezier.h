@@ -42,6 +42,31 @@ inline RasterPoint BezierPoint(const RasterPoint* c, int degree, double u) {
   }
 }
 
+/// The control points of the curve's part over [a, b], by blossoming.
+inline void BezierPart(const RasterPoint* c, int degree, double a, double b, RasterPoint* part) {
+  const auto mix = [](const RasterPoint& p, const RasterPoint& q, double u) { return (1 - u) * p + u * q; };
+  if (degree == 0) {
+    part[0] = c[0];
+  } else if (degree == 1) {
+    part[0] = mix(c[0], c[1], a);
+    part[1] = mix(c[0], c[1], b);
+  } else if (degree == 2) {
+    const auto blossom = [&](double u, double v) { return mix(mix(c[0], c[1], u), mix(c[1], c[2], u), v); };
+    part[0] = blossom(a, a);
+    part[1] = blossom(a, b);
+    part[2] = blossom(b, b);
+  } else {
+    const auto blossom = [&](double u, double v, double w) {
+      const RasterPoint p = mix(c[0], c[1], u), q = mix(c[1], c[2], u), r = mix(c[2], c[3], u);
+      return mix(mix(p, q, v), mix(q, r, v), w);
+    };
+    part[0] = blossom(a, a, a);
+    part[1] = blossom(a, a, b);
+    part[2] = blossom(a, b, b);
+    part[3] = blossom(b, b, b);
+  }
+}
+
 /// The same curve as a polynomial in u, for tight loops: c0 + u (c1 + u (c2 + u c3)), in `c` of degree + 1
 /// entries. For a point at rest all but the first are exactly zero, so it stays bit for bit where it is; at
 /// u = 1 the last rounding may miss the end point.

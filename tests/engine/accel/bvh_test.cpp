@@ -289,5 +289,61 @@ TEST(Bvh, StackedAndNestedTrianglesBuild) {
   EXPECT_EQ(all, 600u);
 }
 
+TEST(Bvh, LongMotionReachesFewTilesItDoesNotTouch) {
+  // Small triangles that cross the frame askew or on arcs: over the whole shutter the bounds of each are a
+  // large part of the frame.
+  for (const int degree : {1, 2, 3}) {
+    FrameSceneBuilder builder(PerspectiveView(512, 512));
+    std::mt19937 random(unsigned(degree) + 40);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 100; ++i) {
+      const double radius = 100 + 140 * unit(random), start = 2 * M_PI * unit(random);
+      std::vector<RasterPoint> points;
+      for (const V2d& corner : {V2d(0, 0), V2d(5, 0), V2d(0, 5)}) {
+        for (int k = 0; k <= 4 * degree; ++k) {
+          const double angle = start + M_PI / 2 * k / (4.0 * degree);
+          points.push_back(builder.Raster(Corner{256 + corner.x + radius * std::cos(angle),
+                                                 256 + corner.y + radius * std::sin(angle), 5}));
+        }
+      }
+      builder.AddCurvedMesh(points, degree, 4, {{0, 1, 2}});
+    }
+    const auto frame = builder.Build();
+    const auto bvh = MustBuild(frame);
+    const TileGrid grid{512, 512};
+    int64_t collected = 0, touched = 0, in_hulls = 0;
+    for (int tile = 0; tile < grid.Count(); ++tile) {
+      const TileRect rect = grid.Rect(tile);
+      collected += int64_t(Collect(*bvh, rect).size());
+      for (const FrameTriangle& triangle : frame->triangles) {
+        RasterBounds hull;
+        bool touches = false;
+        for (int k = 0; k <= 64; ++k) {
+          const RasterBounds now = *BoundsAt(*frame, triangle, k / 64.0);
+          touches = touches || now.Overlaps(rect);
+          hull = {std::min(hull.x0, now.x0), std::min(hull.y0, now.y0), std::max(hull.x1, now.x1),
+                  std::max(hull.y1, now.y1)};
+        }
+        touched += touches;
+        in_hulls += hull.Overlaps(rect);
+      }
+    }
+    EXPECT_LT(double(collected), 1.6 * double(touched));
+    EXPECT_GT(double(in_hulls), 2.0 * double(touched));
+  }
+}
+
+TEST(Bvh, TheAnswerDoesNotDependOnTheBuild) {
+  RandomSceneOptions options;
+  options.triangles = 3000;
+  options.curved_fraction = 0.3;
+  const auto frame = RandomScene(PerspectiveView(200, 150), 5, options);
+  const auto one = MustBuild(frame, 1), many = MustBuild(frame, 8);
+  const TileGrid grid{200, 150};
+  for (int tile = 0; tile < grid.Count(); ++tile) {
+    EXPECT_EQ(Collect(*one, grid.Rect(tile)), Collect(*many, grid.Rect(tile))) << "tile " << tile;
+  }
+}
+
 }  // namespace
 }  // namespace shutterline::engine

@@ -63,7 +63,7 @@ bool MayContain(const FrameView& view, const std::array<Corner, 3>& open,
   FrameSceneBuilder builder(view);
   builder.AddTriangle(open, close);
   const auto frame = builder.Build();
-  return TileFrustum(view, {32, 32, 32, 32}, 1).MayContain(*frame, frame->triangles[0]);
+  return TileFrustum(view, {32, 32, 32, 32}, 1).MayContain(frame->control_points);
 }
 
 TEST(TileFrustum, TrianglesAreCulledByOnePlaneOverTheWholeShutter) {

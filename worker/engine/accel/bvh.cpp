@@ -6,7 +6,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <utility>
@@ -14,27 +13,16 @@
 #include "common/base/status_macros.h"
 #include "worker/engine/accel/embree.h"
 #include "worker/engine/accel/frustum_cull.h"
+#include "worker/engine/accel/triangle_refs.h"
 #include "worker/engine/accel/view_scale.h"
 
 namespace shutterline::engine {
 namespace {
 
 constexpr unsigned kBranching = 4;
-constexpr unsigned kMaxLeafTriangles = 8;
+constexpr unsigned kMaxLeafRefs = 8;
 /// Far above what a sensible scene needs: only nested triangles of exponentially growing size come near.
 constexpr unsigned kMaxDepth = 512;
-/// Embree takes no coordinates from about 2^60 on. Scaled ones stay below 2^21.
-constexpr float kEmbreeLimit = 0x1p60f;
-
-/// The nearest float not above (not below) `value`.
-float RoundDown(double value) {
-  const float f = float(std::clamp(value, -double(kEmbreeLimit), double(kEmbreeLimit)));
-  return double(f) > value ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float RoundUp(double value) {
-  return -RoundDown(-value);
-}
-
 void Extend(ViewBounds& bounds, const ViewBounds& other) {
   for (int axis = 0; axis < 3; ++axis) {
     bounds.lower[axis] = std::min(bounds.lower[axis], other.lower[axis]);
@@ -42,45 +30,11 @@ void Extend(ViewBounds& bounds, const ViewBounds& other) {
   }
 }
 
-/// How far ViewFromRaster(p) may be from the exact view-space point: a few roundings of its terms.
-V3d InverseError(const FrameView& view, const RasterPoint& p) {
-  constexpr double kFewRoundings = 4 * std::numeric_limits<double>::epsilon();
-  return kFewRoundings * V3d((std::abs(p.x) + std::abs(view.center_x * p.w)) / std::abs(view.scale_x),
-                             (std::abs(p.y) + std::abs(view.center_y * p.w)) / std::abs(view.scale_y),
-                             view.perspective
-                                 ? std::abs(p.w)
-                                 : std::abs(view.zfar) + std::abs(p.z * (view.zfar - view.znear)));
-}
-
-/// The hull of a triangle's control points holds it at every instant.
-ViewBounds SweptBounds(const FrameScene& frame, const FrameTriangle& triangle, double scale) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  V3d lower(kInfinity), upper(-kInfinity);
-  const FramePrimitive& primitive = frame.primitives[triangle.primitive];
-  for (const uint32_t vertex : triangle.vertices) {
-    for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
-      const RasterPoint& control_point = frame.ControlPoint(primitive, vertex, i);
-      const V3d p = frame.view.ViewFromRaster(control_point);
-      const V3d error = InverseError(frame.view, control_point);
-      for (int axis = 0; axis < 3; ++axis) {
-        lower[axis] = std::min(lower[axis], p[axis] - error[axis]);
-        upper[axis] = std::max(upper[axis], p[axis] + error[axis]);
-      }
-    }
-  }
-  ViewBounds bounds;
-  for (int axis = 0; axis < 3; ++axis) {
-    bounds.lower[axis] = RoundDown(lower[axis] / scale);
-    bounds.upper[axis] = RoundUp(upper[axis] / scale);
-  }
-  return bounds;
-}
-
-/// A node as Embree's builder makes it, in the builder's memory: children, or else triangles.
+/// A node as Embree's builder makes it, in the builder's memory: children, or else references.
 struct BuildNode {
-  unsigned child_count = 0, triangle_count = 0;
+  unsigned child_count = 0, ref_count = 0;
   BuildNode* children[kBranching] = {};
-  uint32_t triangles[kMaxLeafTriangles] = {};
+  uint32_t refs[kMaxLeafRefs] = {};
 
   static void* MakeInner(RTCThreadLocalAllocator allocator, unsigned child_count, void*) {
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
@@ -97,14 +51,18 @@ struct BuildNode {
   static void* MakeLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
                         void*) {
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
-    node->triangle_count = unsigned(count);
-    for (size_t i = 0; i < count; ++i) node->triangles[i] = primitives[i].primID;
+    node->ref_count = unsigned(count);
+    for (size_t i = 0; i < count; ++i) node->refs[i] = primitives[i].primID;
     return node;
   }
 };
 
-/// Nodes in preorder, so that the triangles below any node are one range of `triangles_` and walking the
-/// tree needs no stack: a node's first child follows it, and `skip` is where one goes on without them.
+/// Nodes in preorder, so that the references below any node are one range of `refs_` and walking the tree
+/// needs no stack: a node's first child follows it, and `skip` is where one goes on without them.
+///
+/// A triangle is collected if, for one of its references, neither the bounds nor the hull lie outside: what
+/// a node decides for all of its references is what each would decide alone. So the answer does not depend on
+/// the tree, which is not the same for every number of threads.
 class FlatBvh : public Bvh {
  public:
   explicit FlatBvh(std::shared_ptr<const FrameScene> frame)
@@ -119,6 +77,9 @@ class FlatBvh : public Bvh {
   void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const override {
     if (nodes_.empty()) return;
     const TileFrustum frustum(frame_->view, rect, scale_);
+    thread_local std::vector<uint32_t> cut;  // Triangles of several references, which may come again.
+    thread_local std::vector<RasterPoint> hull;
+    cut.clear();
     const uint32_t end = uint32_t(nodes_.size()) - 1;  // The last node is a sentinel.
     for (uint32_t n = 0; n < end;) {
       const Node& node = nodes_[n];
@@ -129,46 +90,46 @@ class FlatBvh : public Bvh {
         continue;
       }
       if (side != TileFrustum::Side::kOutside) {
-        const auto first = triangles_.begin() + node.first_triangle;
-        const auto last = triangles_.begin() + nodes_[node.skip].first_triangle;
-        if (side == TileFrustum::Side::kInside) {
-          triangles.insert(triangles.end(), first, last);
-        } else {
-          std::copy_if(first, last, std::back_inserter(triangles), [&](uint32_t triangle) {
-            return frustum.MayContain(*frame_, frame_->triangles[triangle]);
-          });
+        for (uint32_t i = node.first_ref; i < nodes_[node.skip].first_ref; ++i) {
+          const TriangleRef& ref = refs_[i];
+          if (side == TileFrustum::Side::kCrossing) {
+            if (frustum.ClassifyBox(bounds_[i]) == TileFrustum::Side::kOutside) continue;
+            hull.clear();
+            AppendHull(*frame_, ref, hull);
+            if (!frustum.MayContain(hull)) continue;
+          }
+          (ref.spans == 1 ? triangles : cut).push_back(ref.triangle);
         }
       }
       n = node.skip;
     }
+    std::sort(cut.begin(), cut.end());
+    triangles.insert(triangles.end(), cut.begin(), std::unique(cut.begin(), cut.end()));
   }
 
  private:
   struct Node {
     ViewBounds bounds;
-    uint32_t skip;            ///< The next node that is not below this one.
-    uint32_t first_triangle;  ///< Its triangles end where those of node `skip` begin.
+    uint32_t skip;       ///< The next node that is not below this one.
+    uint32_t first_ref;  ///< Its references end where those of node `skip` begin.
   };
 
   absl::Status BuildTreeInArena() {
-    const size_t count = frame_->triangles.size();
-    if (count == 0) return absl::OkStatus();
+    if (frame_->triangles.empty()) return absl::OkStatus();
 
-    // Bound every triangle over the shutter.
+    // Bound every triangle over the shutter, or over parts of it.
+    const std::vector<TriangleRef> refs = MakeTriangleRefs(*frame_);
+    const size_t count = refs.size();
     std::vector<RTCBuildPrimitive> primitives(count);
+    std::vector<ViewBounds> bounds(count);  // The builder reorders its primitives.
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096),
                       [&](const tbb::blocked_range<size_t>& part) {
                         for (size_t i = part.begin(); i < part.end(); ++i) {
-                          const ViewBounds bounds = SweptBounds(*frame_, frame_->triangles[i], scale_);
-                          primitives[i] = {bounds.lower[0], bounds.lower[1], bounds.lower[2], 0,
-                                           bounds.upper[0], bounds.upper[1], bounds.upper[2], uint32_t(i)};
+                          const ViewBounds& b = bounds[i] = BoundsOf(*frame_, refs[i], scale_);
+                          primitives[i] = {b.lower[0], b.lower[1], b.lower[2], 0,
+                                           b.upper[0], b.upper[1], b.upper[2], uint32_t(i)};
                         }
                       });
-    std::vector<ViewBounds> bounds(count);  // The builder reorders its primitives.
-    for (size_t i = 0; i < count; ++i) {
-      const RTCBuildPrimitive& p = primitives[i];
-      bounds[i] = {{p.lower_x, p.lower_y, p.lower_z}, {p.upper_x, p.upper_y, p.upper_z}};
-    }
 
     // Let Embree build a tree, by surface area; by Morton order where that would get too deep.
     SL_ASSIGN_OR_RETURN(const EmbreeDevice device, MakeEmbreeDevice());
@@ -177,7 +138,7 @@ class FlatBvh : public Bvh {
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = kBranching;
     arguments.maxDepth = kMaxDepth;
-    arguments.maxLeafSize = kMaxLeafTriangles;
+    arguments.maxLeafSize = kMaxLeafRefs;
     arguments.bvh = bvh.get();
     arguments.primitives = primitives.data();
     arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
@@ -196,25 +157,28 @@ class FlatBvh : public Bvh {
     if (root == nullptr) return status.ok() ? absl::InternalError("build BVH: Embree made no tree") : status;
 
     // Flatten it.
-    triangles_.reserve(count);
-    Flatten(*static_cast<const BuildNode*>(root), bounds);
-    nodes_.push_back({{}, uint32_t(nodes_.size()), uint32_t(triangles_.size())});
+    refs_.reserve(count);
+    bounds_.reserve(count);
+    Flatten(*static_cast<const BuildNode*>(root), refs, bounds);
+    nodes_.push_back({{}, uint32_t(nodes_.size()), uint32_t(refs_.size())});
     nodes_.shrink_to_fit();
-    if (triangles_.size() != count) return absl::InternalError("build BVH: Embree lost triangles");
+    if (refs_.size() != count) return absl::InternalError("build BVH: Embree lost triangles");
     return absl::OkStatus();
   }
 
   /// Appends `built` and all below it; returns its bounds. As deep a recursion as the tree.
-  ViewBounds Flatten(const BuildNode& built, const std::vector<ViewBounds>& bounds) {
+  ViewBounds Flatten(const BuildNode& built, const std::vector<TriangleRef>& refs,
+                     const std::vector<ViewBounds>& bounds) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     ViewBounds hull{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     const size_t n = nodes_.size();
-    nodes_.push_back({hull, 0, uint32_t(triangles_.size())});
-    for (unsigned i = 0; i < built.triangle_count; ++i) {
-      triangles_.push_back(built.triangles[i]);
-      Extend(hull, bounds[built.triangles[i]]);
+    nodes_.push_back({hull, 0, uint32_t(refs_.size())});
+    for (unsigned i = 0; i < built.ref_count; ++i) {
+      refs_.push_back(refs[built.refs[i]]);
+      bounds_.push_back(bounds[built.refs[i]]);
+      Extend(hull, bounds_.back());
     }
-    for (unsigned i = 0; i < built.child_count; ++i) Extend(hull, Flatten(*built.children[i], bounds));
+    for (unsigned i = 0; i < built.child_count; ++i) Extend(hull, Flatten(*built.children[i], refs, bounds));
     nodes_[n].bounds = hull;
     nodes_[n].skip = uint32_t(nodes_.size());
     return hull;
@@ -223,7 +187,8 @@ class FlatBvh : public Bvh {
   std::shared_ptr<const FrameScene> frame_;
   double scale_;  ///< Metres a unit of the nodes' bounds.
   std::vector<Node> nodes_;
-  std::vector<uint32_t> triangles_;
+  std::vector<TriangleRef> refs_;
+  std::vector<ViewBounds> bounds_;  ///< One a reference.
 };
 
 }  // namespace

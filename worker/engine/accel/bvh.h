@@ -11,8 +11,9 @@
 
 namespace shutterline::engine {
 
-/// A bounding volume hierarchy over the triangles of a frame, each bounded over the whole shutter (the
-/// hull of its control points), built with Embree's builder. Answers which triangles a tile may see.
+/// A bounding volume hierarchy over the triangles of a frame, each bounded over the shutter by the hull of
+/// its control points, or, where its motion is long, over several spans of it (SpansFor), built with Embree's
+/// builder. Answers which triangles a tile may see.
 /// Immutable once built; any number of threads may query it.
 class Bvh {
  public:
@@ -24,7 +25,7 @@ class Bvh {
 
   /// Appends to `triangles` every triangle that, at some instant of the shutter, may be seen through
   /// `rect` between the near and the far plane: none is missed, few are superfluous, each comes once.
-  /// Their order is not specified.
+  /// Which ones does not depend on the number of threads of the build; their order does.
   virtual void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const = 0;
 };
 

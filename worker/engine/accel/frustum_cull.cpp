@@ -71,15 +71,12 @@ TileFrustum::Side TileFrustum::ClassifyBox(const ViewBounds& box) const {
   return side;
 }
 
-bool TileFrustum::MayContain(const FrameScene& frame, const FrameTriangle& triangle) const {
+bool TileFrustum::MayContain(std::span<const RasterPoint> points) const {
   const OutsideOf outside_of{x0_, x1_, y0_, y1_, far_depth_};
-  const FramePrimitive& primitive = frame.primitives[triangle.primitive];
   unsigned outside_of_all = ~0u;
-  for (const uint32_t vertex : triangle.vertices) {
-    for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
-      outside_of_all &= outside_of(frame.ControlPoint(primitive, vertex, i));
-      if (outside_of_all == 0) return true;
-    }
+  for (const RasterPoint& point : points) {
+    outside_of_all &= outside_of(point);
+    if (outside_of_all == 0) return true;
   }
   return false;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "common/job/tile.h"
 #include "common/math/spaces.h"
@@ -31,8 +32,8 @@ class TileFrustum {
   /// rounding.
   Side ClassifyBox(const ViewBounds& box) const;
 
-  /// False if every control point of the triangle lies strictly outside one of the half-spaces.
-  bool MayContain(const FrameScene& frame, const FrameTriangle& triangle) const;
+  /// False if all points lie strictly outside one of the half-spaces.
+  bool MayContain(std::span<const RasterPoint> points) const;
 
  private:
   /// A half-space n·p + offset >= 0.

@@ -16,26 +16,6 @@ constexpr int kCurveParts = 4;
 constexpr double kTimeSlack = 1e-9;
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 
-/// The control points of a Bezier curve's part over [a, b], by blossoming.
-void CutCurve(const RasterPoint* c, int degree, double a, double b, RasterPoint* part) {
-  const auto mix = [](const RasterPoint& p, const RasterPoint& q, double u) { return (1 - u) * p + u * q; };
-  if (degree == 2) {
-    const auto blossom = [&](double u, double v) { return mix(mix(c[0], c[1], u), mix(c[1], c[2], u), v); };
-    part[0] = blossom(a, a);
-    part[1] = blossom(a, b);
-    part[2] = blossom(b, b);
-    return;
-  }
-  const auto blossom = [&](double u, double v, double w) {
-    const RasterPoint p = mix(c[0], c[1], u), q = mix(c[1], c[2], u), r = mix(c[2], c[3], u);
-    return mix(mix(p, q, v), mix(q, r, v), w);
-  };
-  part[0] = blossom(a, a, a);
-  part[1] = blossom(a, a, b);
-  part[2] = blossom(a, b, b);
-  part[3] = blossom(b, b, b);
-}
-
 double Difference(double a, double b) {
   return a - b + kRounding * (std::abs(a) + std::abs(b));
 }
@@ -95,7 +75,7 @@ TimeInterval TimesInside(const std::array<const RasterPoint*, 3>& points, int de
     for (size_t k = 0; k < 3; ++k) {
       part[k] = points[k] + first;
       if (parts == 1) continue;
-      CutCurve(part[k], degree, double(number % parts) / parts, double(number % parts + 1) / parts, cut[k]);
+      BezierPart(part[k], degree, double(number % parts) / parts, double(number % parts + 1) / parts, cut[k]);
       part[k] = cut[k];
     }
     return TimesInsidePart(part, degree, box);
