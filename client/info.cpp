@@ -2,6 +2,7 @@
 #include <absl/strings/str_format.h>
 
 #include "client/commands.h"
+#include "client/frame_range.h"
 #include "client/human.h"
 #include "client/json_output.h"
 #include "client/options.h"
@@ -124,10 +125,31 @@ void PrintInfo(const SceneInfo& info, std::ostream& out) {
   for (const std::string& warning : report.warnings) row("warning", Printable(warning));
 }
 
+Json MotionJson(const engine::FrameInfo& frame, int number) {
+  Json json;
+  json["frame"] = number;
+  json["primitives_by_degree"] = frame.primitives_by_degree;
+  json["triangles_by_degree"] = frame.triangles_by_degree;
+  json["moving_primitives_by_pieces"] = Json::object();
+  for (const auto& [pieces, count] : frame.moving_by_pieces) {
+    json["moving_primitives_by_pieces"][absl::StrCat(pieces)] = count;
+  }
+  json["largest_motion_pixels"] = frame.largest_motion_pixels;
+  json["warnings"] = frame.warnings;
+  return json;
+}
+
 class InfoCommand : public Command {
  public:
   void Declare(CLI::App& app) override {
     AddSceneArgument(app, scene_);
+    AddValue(app, "--frame", "N", "none",
+             "Also tell how things move in this frame, as rendered with\nthe defaults",
+             [this](const std::string& t) -> absl::Status {
+               SL_ASSIGN_OR_RETURN(const FrameRange frames, ParseFrame(t));
+               frame_ = frames.first;
+               return absl::OkStatus();
+             });
     AddJsonOption(app, json_);
     AddExamples(app, {"shutterline info fox.glb", "shutterline info fox.glb --json"},
                 "Names and indices of cameras and animations are what --camera and --animation take.");
@@ -138,16 +160,30 @@ class InfoCommand : public Command {
     if (!source.ok()) return Annotate(source.status(), absl::StrCat("load scene ", scene_));
     SL_ASSIGN_OR_RETURN(const auto scene, engine::ImportGltf(**source));
     const SceneInfo info = engine::DescribeScene(*scene);
+    std::optional<engine::FrameInfo> motion;
+    if (frame_) {
+      SL_ASSIGN_OR_RETURN(const auto frame, engine::BuildFrameScene(scene, *frame_, RenderSettings()));
+      motion = engine::DescribeFrame(*frame);
+    }
     if (json_) {
-      Print(InfoJson(info), console.out);
+      Json json = InfoJson(info);
+      if (motion) json["motion"] = MotionJson(*motion, *frame_);
+      Print(json, console.out);
     } else {
       PrintInfo(info, console.out);
+      if (motion) {
+        console.out << absl::StreamFormat("%-12sframe %d: %s\n", "motion", *frame_, MotionSummary(*motion));
+        for (const std::string& warning : motion->warnings) {
+          console.out << absl::StreamFormat("%-12s%s\n", "warning", Printable(warning));
+        }
+      }
     }
     return ExitCode::kSuccess;
   }
 
  private:
   std::string scene_;
+  std::optional<int> frame_;
   bool json_ = false;
 };
 

@@ -1,5 +1,8 @@
 #include "worker/engine/scene/scene_info.h"
 
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -127,6 +130,22 @@ FrameInfo DescribeFrame(const FrameScene& frame) {
     }
   }
   return info;
+}
+
+std::string MotionSummary(const FrameInfo& info) {
+  std::string text = absl::StrCat(info.primitives, info.primitives == 1 ? " primitive: " : " primitives: ");
+  absl::StrAppend(&text, info.primitives_by_degree[0], " still");
+  for (size_t degree = 1; degree < info.primitives_by_degree.size(); ++degree) {
+    if (info.primitives_by_degree[degree] == 0) continue;
+    absl::StrAppend(&text, ", ", info.primitives_by_degree[degree], " of degree ", degree);
+  }
+  for (const auto& [pieces, count] : info.moving_by_pieces) {
+    if (pieces > 1) absl::StrAppend(&text, "; ", count, " in ", pieces, " pieces");
+  }
+  if (info.largest_motion_pixels > 0) {
+    absl::StrAppend(&text, absl::StrFormat("; at most %.1f px", info.largest_motion_pixels));
+  }
+  return text;
 }
 
 }  // namespace shutterline::engine
