@@ -23,6 +23,10 @@ inline constexpr int kMaxLinePixels = 64;
 /// costs nothing. Guarded by `Row35StackedLayers` and `Row19CoplanarDuplicates`.
 inline constexpr double kDepthSlack = 1 + 1e-12;
 
+/// The same where depths are single precision: they have been rounded a few times by 2^-24. Guarded by
+/// `Row35StackedLayers`.
+inline constexpr float kFloatDepthSlack = 1 + 1e-5f;
+
 /// Line numbers are ranges of integers computed from raster positions in double precision; each end is
 /// widened by this fraction of the spacing so that rounding never loses a line. Superfluous lines are
 /// rejected exactly by signs. Positions far out, whose own rounding is coarser, get that in addition. Guarded

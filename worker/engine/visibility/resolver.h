@@ -1,14 +1,24 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
+#include <span>
 
-#include "common/job/render_settings.h"
+#include "common/job/tile.h"
 #include "worker/engine/render/stats.h"
-#include "worker/engine/sampling/line_pattern.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/visibility/flat_film.h"
 #include "worker/engine/visibility/pair_weights.h"
-#include "worker/engine/visibility/tile_triangles.h"
+#include "worker/engine/visibility/primitive_traits.h"
 
 namespace shutterline::engine {
+
+/// What a resolver is given of a tile.
+struct TileInput {
+  const FrameScene& frame;
+  std::span<const PrimitiveTraits> traits;  ///< By primitive of the frame.
+  TileRect rect;                            ///< Sides at most kMaxLinePixels.
+  std::span<const uint32_t> candidates;     ///< Triangles that the tile may see, each once, in any order.
+};
 
 /// Decides what a tile's lines see over the shutter: a tile's triangles in, weights per (triangle,
 /// pixel) out. Implementations are rivals that judge one another in tests. Thread-safe.
@@ -16,12 +26,13 @@ class Resolver {
  public:
   virtual ~Resolver() = default;
 
-  /// Resolves all lines of the pattern in `tile.rect`, whose sides are at most kMaxLinePixels. `weights`
-  /// is reset and then holds, per pixel, what is visible; what is missing to total() is background.
-  virtual void Resolve(const TileTriangles& tile, PairWeights& weights, RenderStats& stats) const = 0;
+  /// Resolves all lines of the pattern in `tile.rect`. `weights` is reset and then holds, per pixel, what is
+  /// visible; what is missing to total() is background.
+  ///
+  /// `flat`, if not null, is reset too, and a resolver may add triangles that have one colour to it instead
+  /// of to `weights`: a pixel's share of the total is then in either of the two.
+  virtual void Resolve(const TileInput& tile, PairWeights& weights, FlatFilm* flat,
+                       RenderStats& stats) const = 0;
 };
-
-/// The resolver that `settings.resolver` names, for the pattern that it names.
-std::unique_ptr<const Resolver> MakeResolver(const RenderSettings& settings);
 
 }  // namespace shutterline::engine

@@ -8,6 +8,7 @@
 #include "common/job/tile.h"
 #include "worker/engine/sampling/line_pattern.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/visibility/primitive_traits.h"
 
 namespace shutterline::engine {
 
@@ -62,13 +63,6 @@ struct TileTriangles {
   double far_depth = 0;  ///< Depths below it are clipped.
   std::vector<TileTriangle> triangles;
   std::vector<RasterPoint> curves;  ///< What triangles point to; so a copy would point elsewhere.
-};
-
-/// What of a primitive the resolver must know, made once a frame.
-struct PrimitiveTraits {
-  bool cull_back = false;
-  bool needs_position = false;
-  bool textured = false;
 };
 
 /// Makes `candidates` (from the hierarchy, any order) relative to `rect` and bounds them. Triangles that

@@ -1,0 +1,48 @@
+#include "worker/engine/slice/kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "worker/engine/slice/kernels.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway's loop above includes this file once for each instruction set.
+#include <hwy/highway.h>
+
+#include "worker/engine/slice/march-inl.h"
+#include "worker/engine/slice/place-inl.h"
+#include "worker/engine/slice/segments-inl.h"
+
+#if HWY_ONCE
+namespace shutterline::engine {
+
+HWY_EXPORT(PlaceVerticesKernel);
+HWY_EXPORT(ProjectVerticesKernel);
+HWY_EXPORT(PlaceTrianglesKernel);
+HWY_EXPORT(MakeSegmentsKernel);
+HWY_EXPORT(MarchKernel);
+HWY_EXPORT(TargetName);
+
+void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, PlacedVertices& placed) {
+  HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, t, far_depth, placed);
+}
+
+void ProjectVertices(size_t begin, size_t end, double far_depth, PlacedVertices& placed) {
+  HWY_DYNAMIC_DISPATCH(ProjectVerticesKernel)(begin, end, far_depth, placed);
+}
+
+void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& vertices, double t, int lanes,
+                    int32_t length, PlacedTriangles& placed) {
+  HWY_DYNAMIC_DISPATCH(PlaceTrianglesKernel)(triangles, vertices, t, lanes, length, placed);
+}
+
+size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
+                    const LineGroup& group, Stretches& stretches, int64_t& made) {
+  return HWY_DYNAMIC_DISPATCH(MakeSegmentsKernel)(triangles, placed, first, group, stretches, made);
+}
+
+void March(const SegmentLists& lists, const LineGroup& group, uint32_t active, VisiblePieces& pieces) {
+  HWY_DYNAMIC_DISPATCH(MarchKernel)(lists, group, active, pieces);
+}
+
+const char* KernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+
+}  // namespace shutterline::engine
+#endif

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "worker/engine/slice/line_group.h"
+#include "worker/engine/slice/moving_vertices.h"
+#include "worker/engine/slice/placed_triangles.h"
+#include "worker/engine/slice/segment_lists.h"
+
+/// The resolver's inner loops, compiled for several instruction sets and chosen at run time. All of them
+/// give the same bits on every one: the same operations in the same order, no fused multiply-add (which the
+/// oldest lacks), no sum across lanes.
+namespace shutterline::engine {
+
+/// Places the vertices at shutter time t, in line coordinates.
+void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, PlacedVertices& placed);
+
+/// Projects vertices `begin` to `end` from their homogeneous coordinates.
+void ProjectVertices(size_t begin, size_t end, double far_depth, PlacedVertices& placed);
+
+/// Sets up triangles [0, triangles.count) at shutter time t: which of the `lanes` lanes each meets within the
+/// lines' `length` (subpixels), and its edges.
+void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& vertices, double t, int lanes,
+                    int32_t length, PlacedTriangles& placed);
+
+/// How the lines are cut into stretches that are resolved apart.
+struct Stretches {
+  std::span<SegmentLists> lists;
+  int shift = 0;  ///< Stretch of subpixel x: x >> shift.
+  std::span<const float> hidden_below;  ///< By stretch: depths below are hidden on all lanes.
+  int32_t compact_at = 0;               ///< MakeSegments stops when a list has become so long.
+};
+
+/// Cuts the placed triangles from `first` on by the group's lines and appends the segments. A crossing of an
+/// edge is computed from the edge's corners alone, in an order that does not depend on the triangle, so
+/// neighbours get bit-equal ends. Returns the triangle at which it stopped, because a list is to be
+/// compacted first; triangles.count if it is through. Adds to `made`.
+size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
+                    const LineGroup& group, Stretches& stretches, int64_t& made);
+
+/// Exact visibility along all lanes of a stretch in lockstep: the upper envelope of each lane's segments.
+/// See docs/math/line_samples.md. `active` has a bit for each lane that is wanted.
+void March(const SegmentLists& lists, const LineGroup& group, uint32_t active, VisiblePieces& pieces);
+
+/// The name of the instruction set that is used.
+const char* KernelTarget();
+
+}  // namespace shutterline::engine

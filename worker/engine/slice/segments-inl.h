@@ -1,0 +1,105 @@
+// Cuts placed triangles by lines. Included once per instruction set, by kernels.cpp.
+#if defined(SHUTTERLINE_SLICE_SEGMENTS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SHUTTERLINE_SLICE_SEGMENTS_INL_H
+#undef SHUTTERLINE_SLICE_SEGMENTS_INL_H
+#else
+#define SHUTTERLINE_SLICE_SEGMENTS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "common/math/tolerance.h"
+#include "worker/engine/slice/kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace shutterline::engine {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
+                                 const LineGroup& group, Stretches& stretches, int64_t& made) {
+  const hn::CappedTag<double, 8> d;
+  const hn::Rebind<int32_t, decltype(d)> i32;
+  const hn::Rebind<float, decltype(d)> f32;
+  const int n = int(hn::Lanes(d));
+  const auto half = hn::Set(d, 0.5);
+  const auto one = hn::Set(d, 1.0);
+  SegmentLists* const lists = stretches.lists.data();
+  const float* const hidden = stretches.hidden_below.data();
+  const float hidden_everywhere = *std::min_element(stretches.hidden_below.begin(), stretches.hidden_below.end());
+  const int shift = stretches.shift;
+  alignas(64) int32_t begin[kLanes], end[kLanes];
+  alignas(64) float depth[kLanes], slope[kLanes];
+
+  for (size_t j = first; j < triangles.count; ++j) {
+    if (placed.met[j] == 0) continue;
+    const float nearest = placed.nearest[j] * kFloatDepthSlack;
+    if (nearest < hidden_everywhere) continue;
+    const int from = placed.first_lane[j];
+    const int to = placed.last_lane[j];
+
+    for (int base = from / n * n; base <= to; base += n) {
+      const auto lane = hn::Iota(d, double(base));
+      // The edge from the lowest to the highest corner, and the one of the two others that is met here.
+      const auto u = hn::Mul(hn::Sub(lane, hn::Set(d, placed.row_a[j])), hn::Set(d, placed.inverse_ac[j]));
+      const auto long_position =
+          hn::Add(hn::Set(d, placed.position_a[j]), hn::Mul(u, hn::Set(d, placed.position_ac[j])));
+      const auto long_depth = hn::Add(hn::Set(d, double(placed.depth_a[j])),
+                                      hn::Mul(u, hn::Set(d, double(placed.depth_ac[j]))));
+      const auto row_b = hn::Set(d, placed.row_b[j]);
+      const auto upper = hn::Gt(lane, row_b);
+      const auto pick = [&](double above, double below) HWY_ATTR {
+        return hn::IfThenElse(upper, hn::Set(d, above), hn::Set(d, below));
+      };
+      const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, row_b, hn::Set(d, placed.row_a[j]))),
+                             pick(placed.inverse_bc[j], placed.inverse_ab[j]));
+      const auto short_position = hn::Add(pick(placed.position_b[j], placed.position_a[j]),
+                                          hn::Mul(v, pick(placed.position_bc[j], placed.position_ab[j])));
+      const auto short_depth = hn::Add(pick(placed.depth_b[j], placed.depth_a[j]),
+                                       hn::Mul(v, pick(placed.depth_bc[j], placed.depth_ab[j])));
+
+      const auto long_first = hn::Le(long_position, short_position);
+      const auto low = hn::Min(long_position, short_position);
+      const auto high = hn::Max(long_position, short_position);
+      const auto depth_low = hn::IfThenElse(long_first, long_depth, short_depth);
+      const auto depth_high = hn::IfThenElse(long_first, short_depth, long_depth);
+
+      // Round to subpixels, within the line.
+      const auto line_begin = hn::PromoteTo(d, hn::LoadU(i32, group.begin.data() + base));
+      const auto line_end = hn::PromoteTo(d, hn::LoadU(i32, group.end.data() + base));
+      const auto b = hn::Floor(hn::Min(hn::Max(hn::Add(low, half), line_begin), line_end));
+      const auto e = hn::Floor(hn::Min(hn::Max(hn::Add(high, half), line_begin), line_end));
+      hn::StoreU(hn::DemoteTo(i32, b), i32, begin + base);
+      hn::StoreU(hn::DemoteTo(i32, e), i32, end + base);
+
+      // A segment shorter than a subpixel must not be steeper than from one to the next: rounding of its ends
+      // would extrapolate it.
+      const auto s = hn::Div(hn::Sub(depth_high, depth_low), hn::Max(hn::Sub(high, low), one));
+      const auto at_begin = hn::Add(depth_low, hn::Mul(s, hn::Sub(b, low)));
+      hn::StoreU(hn::DemoteTo(f32, at_begin), f32, depth + base);
+      hn::StoreU(hn::DemoteTo(f32, s), f32, slope + base);
+    }
+
+    bool full = false;
+    for (int lane = from; lane <= to; ++lane) {
+      if (begin[lane] >= end[lane]) continue;
+      ++made;
+      for (int k = begin[lane] >> shift; k <= (end[lane] - 1) >> shift; ++k) {
+        if (nearest < hidden[k]) continue;
+        lists[k].Append(lane, begin[lane], end[lane], depth[lane], slope[lane], triangles.id[j],
+                        triangles.index[j]);
+        full |= lists[k].rows >= stretches.compact_at;
+      }
+    }
+    if (full) return j + 1;
+  }
+  return triangles.count;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace shutterline::engine
+HWY_AFTER_NAMESPACE();
+
+#endif

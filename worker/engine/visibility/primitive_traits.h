@@ -1,0 +1,12 @@
+#pragma once
+
+namespace shutterline::engine {
+
+/// What of a primitive the resolver must know, made once a frame.
+struct PrimitiveTraits {
+  bool cull_back = false;       ///< Not drawn where it is seen from behind.
+  bool needs_position = false;  ///< Shading varies over a triangle: pairs must say where on it they lie.
+  bool textured = false;
+};
+
+}  // namespace shutterline::engine
