@@ -16,7 +16,8 @@ inline constexpr int32_t kSubpixelsPerPixel = int32_t{1} << kSubpixelBits;
 /// The longest side of a rectangle that the line integrator resolves at once, pixels: its lines' ends
 /// must fit a signed 32-bit subpixel position. Larger rectangles are cut. Guarded by
 /// `TilePartitionDoesNotMatter`.
-inline constexpr int kMaxLinePixels = 64;
+inline constexpr int kMaxLinePixelsLog2 = 6;
+inline constexpr int kMaxLinePixels = 1 << kMaxLinePixelsLog2;
 
 /// A triangle's nearest depth is enlarged by this factor before it is compared with what lies in front:
 /// both have been rounded a few times (2^-53 each), and a wrong cull would be seen while a missed one

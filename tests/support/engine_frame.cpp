@@ -14,7 +14,9 @@
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/memory_asset_source.h"
+#include "worker/engine/render/make_resolver.h"
 #include "worker/engine/visibility/resolver.h"
+#include "worker/engine/visibility/tile_triangles.h"
 
 namespace shutterline::engine {
 namespace {
@@ -127,7 +129,7 @@ absl::StatusOr<MovingMasks> MaskMotion(std::shared_ptr<const Scene> scene, int f
       }
       PairWeights weights;
       RenderStats stats;
-      resolver->Resolve(tile, weights, stats);
+      resolver->Resolve({*frame_scene, traits, rect, candidates}, weights, nullptr, stats);
       for (int64_t pixel = 0; pixel < rect.Area(); ++pixel) {
         bool sees_fast = false;
         weights.ForEach(pixel, [&](const PixelPair& pair) { sees_fast |= fast.contains(pair.triangle); });

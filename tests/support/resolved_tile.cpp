@@ -3,6 +3,7 @@
 #include <numeric>
 #include <vector>
 
+#include "worker/engine/render/make_resolver.h"
 #include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
@@ -15,9 +16,7 @@ ResolvedTile::ResolvedTile(const FrameScene& frame, const TileRect& rect, const 
   }
   std::vector<uint32_t> candidates(frame.triangles.size());
   std::iota(candidates.begin(), candidates.end(), 0u);
-  TileTriangles tile;
-  SetUpTile(frame, traits, LinePattern::Get(settings.pattern), rect, candidates, tile);
-  MakeResolver(settings)->Resolve(tile, weights_, stats_);
+  MakeResolver(settings)->Resolve({frame, traits, rect, candidates}, weights_, nullptr, stats_);
 }
 
 uint64_t ResolvedTile::Weight(int x, int y, uint32_t triangle) const {

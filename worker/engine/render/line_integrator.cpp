@@ -1,11 +1,13 @@
 #include "worker/engine/render/line_integrator.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <tuple>
 
 #include "common/base/check.h"
 #include "common/math/tolerance.h"
+#include "worker/engine/render/make_resolver.h"
 #include "worker/engine/shading/footprint.h"
 #include "worker/engine/shading/shade.h"
 
@@ -73,7 +75,6 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
 LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
                                std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame)),
-      pattern_(LinePattern::Get(settings.pattern)),
       bvh_(std::move(bvh)),
       resolver_(MakeResolver(settings)),
       traits_(TraitsOf(*frame_)) {}
@@ -97,28 +98,25 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   bvh_->CollectVisible(part, candidates);
   timer.Lap(stats.cull_seconds);
 
-  TileTriangles tile;
-  SetUpTile(*frame_, traits_, pattern_, part, candidates, tile);
-  stats.candidate_triangles += int64_t(tile.triangles.size());
-  timer.Lap(stats.setup_seconds);
-
+  stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
-  resolver_->Resolve(tile, weights, stats);
+  FlatFilm flat([this](uint32_t triangle) { return Shade(*frame_, triangle, {}, {}); });
+  resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &flat, stats);
   timer.Lap(stats.resolve_seconds);
 
-  ShadePixels(tile, weights, rect, rgba, stats);
+  ShadePixels(part, weights, flat, rect, rgba, stats);
   timer.Lap(stats.shade_seconds);
 }
 
-void LineIntegrator::ShadePixels(const TileTriangles& tile, const PairWeights& weights, const TileRect& rect,
-                                 std::span<float> rgba, RenderStats& stats) const {
+void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const FlatFilm& flat,
+                                 const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
   std::vector<Contribution> contributions;
-  for (int y = 0; y < tile.rect.height; ++y) {
-    for (int x = 0; x < tile.rect.width; ++x) {
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x) {
       // Shade each pair once.
       contributions.clear();
       uint64_t covered = 0;
-      weights.ForEach(int64_t{y} * tile.rect.width + x, [&](const PixelPair& pair) {
+      weights.ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
         const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
         Barycentric at;
         Footprint footprint;
@@ -129,14 +127,16 @@ void LineIntegrator::ShadePixels(const TileTriangles& tile, const PairWeights& w
         covered += pair.weight;
         contributions.push_back({pair.weight, Shade(*frame_, pair.triangle, at, footprint)});
       });
+      const std::array<double, 4>& flat_sum = flat.At(int64_t{y} * part.width + x);
+      covered += uint64_t(flat_sum[3]);
       SL_CHECK(covered <= weights.total());
       stats.pairs += int64_t(contributions.size());
 
       // Sum them in an order of their own, over the background, which is nothing.
       std::sort(contributions.begin(), contributions.end(), CanonicalOrder);
-      double r = 0;
-      double g = 0;
-      double b = 0;
+      double r = flat_sum[0];
+      double g = flat_sum[1];
+      double b = flat_sum[2];
       for (const Contribution& c : contributions) {
         r += double(c.weight) * double(c.color.x);
         g += double(c.weight) * double(c.color.y);
@@ -144,7 +144,7 @@ void LineIntegrator::ShadePixels(const TileTriangles& tile, const PairWeights& w
       }
       const auto total = double(weights.total());
       const size_t pixel =
-          size_t(tile.rect.y - rect.y + y) * size_t(rect.width) + size_t(tile.rect.x - rect.x + x);
+          size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
       rgba[4 * pixel + 0] = float(r / total);
       rgba[4 * pixel + 1] = float(g / total);
       rgba[4 * pixel + 2] = float(b / total);

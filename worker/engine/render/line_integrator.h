@@ -27,11 +27,10 @@ class LineIntegrator final : public TileIntegrator {
 
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
                   RenderStats& stats) const;
-  void ShadePixels(const TileTriangles& tile, const PairWeights& weights, const TileRect& rect,
-                   std::span<float> rgba, RenderStats& stats) const;
+  void ShadePixels(const TileRect& part, const PairWeights& weights, const FlatFilm& flat,
+                   const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;
 
   std::shared_ptr<const FrameScene> frame_;
-  const LinePattern& pattern_;
   std::unique_ptr<const Bvh> bvh_;
   std::unique_ptr<const Resolver> resolver_;
   std::vector<PrimitiveTraits> traits_;

@@ -24,8 +24,8 @@ void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, P
   HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, t, far_depth, placed);
 }
 
-void ProjectVertices(size_t begin, size_t end, double far_depth, PlacedVertices& placed) {
-  HWY_DYNAMIC_DISPATCH(ProjectVerticesKernel)(begin, end, far_depth, placed);
+void ProjectVertices(size_t begin, size_t end, PlacedVertices& placed) {
+  HWY_DYNAMIC_DISPATCH(ProjectVerticesKernel)(begin, end, placed);
 }
 
 void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& vertices, double t, int lanes,

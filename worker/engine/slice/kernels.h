@@ -17,8 +17,9 @@ namespace shutterline::engine {
 /// Places the vertices at shutter time t, in line coordinates.
 void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, PlacedVertices& placed);
 
-/// Projects vertices `begin` to `end` from their homogeneous coordinates.
-void ProjectVertices(size_t begin, size_t end, double far_depth, PlacedVertices& placed);
+/// Projects vertices `begin` to `end`, all within the near and the far plane, from their homogeneous
+/// coordinates. Up to kPad vertices after them are overwritten.
+void ProjectVertices(size_t begin, size_t end, PlacedVertices& placed);
 
 /// Sets up triangles [0, triangles.count) at shutter time t: which of the `lanes` lanes each meets within the
 /// lines' `length` (subpixels), and its edges.

@@ -25,7 +25,7 @@ struct LineGroup {
   double intercept = 0;  ///< Of lane 0.
   double instant_offset = 0.5;
   int lanes = 0;
-  std::array<TileLine, kLanes> lines;
+  std::array<TileLine, kLanes> lines{};
   /// The part of each line within the tile, subpixels; empty beyond `lanes`.
   alignas(64) std::array<int32_t, kLanes> begin{}, end{};
 };

@@ -42,7 +42,7 @@ class Marcher {
     // In the beginning nothing is in front, and that ends where the lane begins: such a segment loses every
     // comparison and is never overtaken.
     Segment current{x, x, lowest, steepest, none};
-    auto finished = hn::Ge(x, limit);
+    auto finished = AtLeast(x, limit);
     int32_t written = 0;
     while (!hn::AllTrue(di, finished)) {
       const auto end = hn::Min(current.end, limit);
@@ -53,16 +53,16 @@ class Marcher {
 
       pieces.Reserve(written);
       const size_t at = size_t(written++) * kLanes + size_t(base_);
-      const auto shows = hn::Ge(current.entry, hn::Zero(di));
+      const auto shows = AtLeast(current.entry, hn::Zero(di));
       hn::StoreU(x, di, pieces.begin.data() + at);
       hn::StoreU(hn::IfThenElse(shows, change.at, x), di, pieces.end.data() + at);
       hn::StoreU(current.entry, di, pieces.entry.data() + at);
 
-      const auto changes = hn::Ge(change.entry, hn::Zero(di));
-      const auto continues = hn::Ge(after.entry, hn::Zero(di));
+      const auto changes = AtLeast(change.entry, hn::Zero(di));
+      const auto continues = AtLeast(after.entry, hn::Zero(di));
       x = hn::IfThenElse(changes, change.at, hn::IfThenElse(continues, end, gap.at));
       auto next = hn::IfThenElse(changes, change.entry, hn::IfThenElse(continues, after.entry, gap.entry));
-      finished = hn::Or(hn::Ge(x, limit), hn::Lt(next, hn::Zero(di)));
+      finished = hn::Or(AtLeast(x, limit), hn::Lt(next, hn::Zero(di)));
       x = hn::IfThenElse(finished, limit, x);
       next = hn::IfThenElse(finished, none, next);
       current = Fetch(next, x, finished);
@@ -88,6 +88,8 @@ class Marcher {
   static HWY_INLINE FloatsV DepthAt(FloatsV depth, FloatsV slope, IntsV from, IntsV at) {
     return hn::Add(depth, hn::Mul(slope, hn::ConvertTo(Floats(), hn::Sub(at, from))));
   }
+  /// a >= b, which not every instruction set has.
+  static HWY_INLINE Mask AtLeast(IntsV a, IntsV b) { return hn::Not(hn::Lt(a, b)); }
   static HWY_INLINE FloatMask F(Mask m) { return hn::RebindMask(Floats(), m); }
   static HWY_INLINE Mask I(FloatMask m) { return hn::RebindMask(Ints(), m); }
 
@@ -137,7 +139,7 @@ class Marcher {
     const auto depth_probe = DepthAt(depth, slope, b, probe);
     const auto current_probe = DepthAt(current.depth, current.slope, current.begin, probe);
 
-    const auto begun = hn::Le(b, end);
+    const auto begun = AtLeast(end, b);
     const auto there = hn::And(begun, hn::Gt(e, end));
     auto nearer = hn::And(there, I(hn::Gt(depth_probe, after.depth)));
     const auto tie = hn::And(there, I(hn::Eq(depth_probe, after.depth)));
@@ -146,7 +148,7 @@ class Marcher {
     after.entry = hn::IfThenElse(nearer, entry, after.entry);
 
     auto sooner = hn::AndNot(begun, hn::Lt(b, gap.at));
-    const auto as_soon = hn::AndNot(begun, hn::And(hn::Eq(b, gap.at), hn::Ge(gap.entry, hn::Zero(di))));
+    const auto as_soon = hn::AndNot(begun, hn::And(hn::Eq(b, gap.at), AtLeast(gap.entry, hn::Zero(di))));
     if (!hn::AllFalse(di, as_soon)) {
       const auto equal = hn::And(I(hn::Eq(depth, gap.depth)), WinsTie(r, slope, gap.entry));
       sooner = hn::Or(sooner, hn::And(as_soon, hn::Or(I(hn::Gt(depth, gap.depth)), equal)));
@@ -166,7 +168,7 @@ class Marcher {
     // Rare: comes in front at the same place as another, overtakes, or lies at the very same depth.
     const auto rare = hn::Or(
         overtakes,
-        hn::And(begins, hn::Or(hn::And(hn::Eq(b, change.at), hn::Ge(change.entry, hn::Zero(di))),
+        hn::And(begins, hn::Or(hn::And(hn::Eq(b, change.at), AtLeast(change.entry, hn::Zero(di))),
                                hn::And(within, I(hn::And(hn::Eq(depth, current_begin),
                                                          hn::Eq(slope, current.slope)))))));
     change.at = hn::IfThenElse(in_front, b, change.at);
@@ -198,7 +200,7 @@ class Marcher {
     const auto before = hn::And(comes, hn::And(hn::Lt(at, end), hn::Lt(at, e)));
 
     auto better = hn::And(before, hn::Lt(at, change.at));
-    const auto same = hn::And(before, hn::And(hn::Eq(at, change.at), hn::Ge(change.entry, hn::Zero(di))));
+    const auto same = hn::And(before, hn::And(hn::Eq(at, change.at), AtLeast(change.entry, hn::Zero(di))));
     const auto rival = Fetch(change.entry, x, hn::Lt(change.entry, hn::Zero(di)));
     const auto depth_here = DepthAt(depth, slope, b, at);
     const auto depth_rival = DepthAt(rival.depth, rival.slope, rival.begin, at);

@@ -21,30 +21,22 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 8>;
 using DoublesV = hn::Vec<Doubles>;
 
-/// Divides through by w; vertices beyond the near or the far plane get no row.
-HWY_INLINE void Project(Doubles d, size_t i, DoublesV f, DoublesV g, DoublesV z, DoublesV w, double far_depth,
+/// Divides through by w.
+HWY_INLINE void Project(Doubles d, size_t i, DoublesV f, DoublesV g, DoublesV z, DoublesV w,
                         PlacedVertices& placed) {
-  const auto zero = hn::Zero(d);
   const auto inverse = hn::Div(hn::Set(d, 1.0), w);
-  const auto inside = hn::And(hn::And(hn::Ge(w, z), hn::Gt(w, zero)),
-                              hn::Ge(z, hn::Mul(hn::Set(d, far_depth), w)));
-  const auto row = hn::Mul(f, inverse);
-  hn::StoreU(hn::IfThenElse(inside, row, hn::Set(d, std::numeric_limits<double>::quiet_NaN())), d,
-             placed.row.data() + i);
+  hn::StoreU(hn::Mul(f, inverse), d, placed.row.data() + i);
   hn::StoreU(hn::Mul(hn::Mul(g, inverse), hn::Set(d, double(kSubpixelsPerPixel))), d,
              placed.position.data() + i);
   hn::StoreU(hn::Mul(z, inverse), d, placed.depth.data() + i);
 }
 
-inline void ProjectVerticesKernel(size_t begin, size_t end, double far_depth, PlacedVertices& placed) {
-  // One at a time is enough here: few vertices come out of clipping. The operations are the same.
+inline void ProjectVerticesKernel(size_t begin, size_t end, PlacedVertices& placed) {
   const Doubles d;
-  for (size_t i = begin; i < end; ++i) {
-    const auto f = hn::Set(d, placed.homogeneous[0][i]);
-    const auto g = hn::Set(d, placed.homogeneous[1][i]);
-    const auto z = hn::Set(d, placed.homogeneous[2][i]);
-    const auto w = hn::Set(d, placed.homogeneous[3][i]);
-    Project(d, i, f, g, z, w, far_depth, placed);
+  const auto& at = placed.homogeneous;
+  for (size_t i = begin; i < end; i += hn::Lanes(d)) {
+    Project(d, i, hn::LoadU(d, at[0].data() + i), hn::LoadU(d, at[1].data() + i),
+            hn::LoadU(d, at[2].data() + i), hn::LoadU(d, at[3].data() + i), placed);
   }
 }
 
@@ -53,6 +45,7 @@ inline void PlaceVerticesKernel(const MovingVertices& vertices, double t, double
   const Doubles d;
   const size_t lanes = hn::Lanes(d);
   const auto time = hn::Set(d, t);
+  const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
   const auto& power = vertices.power;
   const auto place = [&](size_t i, const auto& evaluate) HWY_ATTR {
     DoublesV at[kLineCoordinates];
@@ -60,7 +53,11 @@ inline void PlaceVerticesKernel(const MovingVertices& vertices, double t, double
       at[c] = evaluate(c);
       hn::StoreU(at[c], d, placed.homogeneous[c].data() + i);
     }
-    Project(d, i, at[0], at[1], at[2], at[3], far_depth, placed);
+    Project(d, i, at[0], at[1], at[2], at[3], placed);
+    // Vertices beyond the near or the far plane have no row.
+    const auto inside = hn::And(hn::And(hn::Ge(at[3], at[2]), hn::Gt(at[3], hn::Zero(d))),
+                                hn::Ge(at[2], hn::Mul(hn::Set(d, far_depth), at[3])));
+    hn::StoreU(hn::IfThenElse(inside, hn::LoadU(d, placed.row.data() + i), nan), d, placed.row.data() + i);
   };
   for (size_t i = 0; i < vertices.linear; i += lanes) {
     place(i, [&](int c) HWY_ATTR {
@@ -116,7 +113,7 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVe
     // Which way it faces, before the corners are sorted.
     const auto area = hn::Sub(hn::Mul(hn::Sub(row[1], row[0]), hn::Sub(position[2], position[0])),
                               hn::Mul(hn::Sub(row[2], row[0]), hn::Sub(position[1], position[0])));
-    const auto drawn = hn::Ge(hn::Mul(area, hn::LoadU(d, triangles.facing.data() + i)), zero);
+    const auto away = hn::Lt(hn::Mul(area, hn::LoadU(d, triangles.facing.data() + i)), zero);
 
     const auto order = [&](int a, int b) HWY_ATTR {
       const auto swap = hn::Lt(row[b], row[a]);
@@ -135,7 +132,7 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVe
     const auto last = hn::Min(last_lane, hn::Floor(row[2]));
     const auto least = hn::Min(position[0], hn::Min(position[1], position[2]));
     const auto most = hn::Max(position[0], hn::Max(position[1], position[2]));
-    const auto meets = hn::And(hn::And(hn::Le(first, last), drawn),
+    const auto meets = hn::And(hn::AndNot(away, hn::Le(first, last)),
                                hn::And(hn::Gt(most, zero), hn::Lt(least, line_end)));
     const auto all = hn::And(meets, usable);
 

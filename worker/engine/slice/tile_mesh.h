@@ -20,7 +20,7 @@ struct TileVertex {
   bool curved = false;    ///< More than a straight line in homogeneous coordinates.
   bool in_front = false;  ///< Of the near plane, all through the shutter.
   /// Control points of a straight path (equal where it rests); curved ones are fetched piece by piece.
-  RasterPoint open, close;
+  RasterPoint open{}, close{};
   double nearest = 0;        ///< Bound on depth.
   double motion_pixels = 0;  ///< Length of its path, cut to the tile's surroundings.
   /// Bounds of minor − slope · major by family, pixels.

@@ -1,0 +1,260 @@
+#include "worker/engine/slice/group_resolver.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "worker/engine/slice/kernels.h"
+
+namespace shutterline::engine {
+namespace {
+
+constexpr float kNothingHidden = -std::numeric_limits<float>::infinity();
+constexpr uint32_t kAllLanes = (uint32_t{1} << kLanes) - 1;
+/// Instants whose triangles are gathered at once. What is on the lines for a short while only is then looked
+/// at for a short while only, which keeps the price linear in the length of the motion.
+constexpr int64_t kInstantsPerStratum = 8;
+/// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
+constexpr double kSegmentsPerStretch = 8;
+
+}  // namespace
+
+void GroupResolver::Resolve(const TileMesh& mesh, const LineGroup& group, const TimeSamples& time_samples,
+                            LineSums& sums, RenderStats& stats) {
+  mesh_ = &mesh;
+  group_ = &group;
+  sums_ = &sums;
+  stats_ = &stats;
+  stats.lines += group.lanes;
+  GatherTriangles();
+  if (static_indices_.empty() && moving_indices_.empty()) return;
+  sums.BeginGroup(group);
+  ChooseStretches();
+  ResolveStatic();
+  KeepVisibleMoving();
+
+  double motion = 0;
+  for (const uint32_t index : moving_indices_) {
+    motion = std::max(motion, double(mesh.triangles()[index].motion_pixels));
+  }
+  const int64_t instants = moving_indices_.empty() ? 1 : time_samples.InstantsFor(motion);
+  stats.instants += instants * group.lanes;
+  for (int k = 0; k < stretches_; ++k) at_rest_[size_t(k)].fill(moving_indices_.empty() ? 1 : 0);
+  if (!moving_indices_.empty()) ResolveInstants(instants);
+  for (int k = 0; k < stretches_; ++k) {
+    AddPieces(static_lists_[size_t(k)], kAllLanes, nullptr, 0, at_rest_[size_t(k)]);
+  }
+  sums.EndGroup(time_samples.WeightOf(instants));
+}
+
+void GroupResolver::GatherTriangles() {
+  const auto family = size_t(group_->family);
+  const double low = group_->intercept;
+  const double high = group_->intercept + (group_->lanes - 1);
+  static_indices_.clear();
+  moving_indices_.clear();
+  const std::vector<TileMeshTriangle>& triangles = mesh_->triangles();
+  for (uint32_t i = 0; i < triangles.size(); ++i) {
+    if (triangles[i].row_low[family] > high || triangles[i].row_high[family] < low) continue;
+    (triangles[i].moves ? moving_indices_ : static_indices_).push_back(i);
+  }
+}
+
+void GroupResolver::ChooseStretches() {
+  // The triangles' extent across the lines tells how many segments a lane gets, about.
+  const auto family = size_t(group_->family);
+  double segments = 0;
+  for (const auto* indices : {&static_indices_, &moving_indices_}) {
+    for (const uint32_t i : *indices) {
+      const TileMeshTriangle& triangle = mesh_->triangles()[i];
+      const double rows = std::min(triangle.row_high[family], group_->intercept + group_->lanes) -
+                          std::max(triangle.row_low[family], group_->intercept - 1);
+      const double share = triangle.moves ? std::min(1.0, (triangle.t_out - triangle.t_in)) : 1;
+      segments += std::clamp(rows, 0.5, double(group_->lanes)) * share;
+    }
+  }
+  const int length = group_->major_is_x ? mesh_->rect().width : mesh_->rect().height;
+  int log2 = 0;
+  while ((1 << log2) < length) ++log2;
+  const double per_lane = segments / group_->lanes;
+  int stretch_log2 = log2;
+  while (stretch_log2 > kShortestStretchLog2 &&
+         per_lane / double(1 << (log2 - stretch_log2)) > kSegmentsPerStretch) {
+    --stretch_log2;
+  }
+  shift_ = kSubpixelBits + stretch_log2;
+  stretches_ = 1 << (log2 - stretch_log2);
+  for (int k = 0; k < stretches_; ++k) {
+    lists_[size_t(k)].stretch_begin = k << shift_;
+    lists_[size_t(k)].stretch_end = (k + 1) << shift_;
+    static_lists_[size_t(k)].stretch_begin = k << shift_;
+    static_lists_[size_t(k)].stretch_end = (k + 1) << shift_;
+  }
+}
+
+void GroupResolver::ResolveStatic() {
+  for (int k = 0; k < stretches_; ++k) {
+    lists_[size_t(k)].Clear();
+    static_lists_[size_t(k)].Clear();
+    hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)] = kNothingHidden;
+    holds_static_[size_t(k)] = false;
+  }
+  if (static_indices_.empty()) return;
+  static_stratum_.Build(*mesh_, *group_, static_indices_, 0, 1);
+  static_stratum_.Place(0.5);
+  FillLists(static_stratum_);
+  for (int k = 0; k < stretches_; ++k) {
+    Compact(k);
+    std::swap(lists_[size_t(k)], static_lists_[size_t(k)]);
+    static_hidden_below_[size_t(k)] = hidden_below_[size_t(k)];
+  }
+}
+
+void GroupResolver::KeepVisibleMoving() {
+  const float hidden =
+      *std::min_element(static_hidden_below_.begin(), static_hidden_below_.begin() + stretches_);
+  size_t kept = 0;
+  while (kept < moving_indices_.size() && mesh_->triangles()[moving_indices_[kept]].nearest >= hidden) ++kept;
+  moving_indices_.resize(kept);
+}
+
+void GroupResolver::ResolveInstants(int64_t instants) {
+  for (int64_t first = 0; first < instants; first += kInstantsPerStratum) {
+    const int64_t end = std::min(instants, first + kInstantsPerStratum);
+    const double offset = group_->instant_offset;
+    moving_stratum_.Build(*mesh_, *group_, moving_indices_, TimeSamples::InstantAt(first, instants, offset),
+                          TimeSamples::InstantAt(end - 1, instants, offset));
+    if (moving_stratum_.empty()) {
+      for (int k = 0; k < stretches_; ++k) {
+        for (int64_t& count : at_rest_[size_t(k)]) count += end - first;
+      }
+      continue;
+    }
+    for (int64_t i = first; i < end; ++i) ResolveInstant(TimeSamples::InstantAt(i, instants, offset));
+  }
+}
+
+void GroupResolver::ResolveInstant(double t) {
+  moving_stratum_.Place(t);
+  for (int k = 0; k < stretches_; ++k) {
+    SegmentLists& lists = lists_[size_t(k)];
+    if (!holds_static_[size_t(k)]) {
+      lists = static_lists_[size_t(k)];
+      holds_static_[size_t(k)] = true;
+    }
+    lists.Truncate(static_lists_[size_t(k)].rows);
+    hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)];
+  }
+  FillLists(moving_stratum_);
+
+  static constexpr auto kOnce = [] {
+    std::array<int64_t, kLanes> once{};
+    once.fill(1);
+    return once;
+  }();
+  for (int k = 0; k < stretches_; ++k) {
+    const SegmentLists& lists = lists_[size_t(k)];
+    for (int lane = 0; lane < group_->lanes; ++lane) {
+      if ((lists.touched >> lane & 1) == 0) ++at_rest_[size_t(k)][size_t(lane)];
+    }
+    if (lists.touched == 0) continue;
+    March(lists, *group_, lists.touched, pieces_[size_t(k)]);
+    AddPieces(lists, lists.touched, &pieces_[size_t(k)], t, kOnce);
+  }
+}
+
+void GroupResolver::FillLists(const Stratum& stratum) {
+  if (stratum.clipped_triangles().count > 0) {
+    FillLists(stratum.clipped_triangles(), stratum.clipped_placed());
+  }
+  FillLists(stratum.triangles(), stratum.placed());
+}
+
+void GroupResolver::FillLists(const GroupTriangles& triangles, const PlacedTriangles& placed) {
+  Stretches stretches{.lists = {lists_.data(), size_t(stretches_)},
+                      .shift = shift_,
+                      .hidden_below = {hidden_below_.data(), size_t(stretches_)},
+                      .compact_at = kFirstBatch};
+  for (int k = 0; k < stretches_; ++k) {
+    stretches.compact_at = std::max(stretches.compact_at, lists_[size_t(k)].rows + kFirstBatch);
+  }
+  for (size_t next = 0; next < triangles.count;) {
+    next = MakeSegments(triangles, placed, next, *group_, stretches, stats_->segments);
+    if (next == triangles.count) break;
+    // Doubling keeps the work of all compactions within a constant factor of the last one.
+    int32_t longest = 0;
+    for (int k = 0; k < stretches_; ++k) {
+      if (lists_[size_t(k)].rows >= stretches.compact_at) Compact(k);
+      longest = std::max(longest, lists_[size_t(k)].rows);
+    }
+    stretches.compact_at = std::max(stretches.compact_at, 2 * longest);
+  }
+}
+
+void GroupResolver::Compact(int stretch) {
+  SegmentLists& lists = lists_[size_t(stretch)];
+  March(lists, *group_, kAllLanes, compaction_);
+  compacted_.Clear();
+  float farthest = std::numeric_limits<float>::infinity();
+  for (int lane = 0; lane < group_->lanes; ++lane) {
+    const int32_t from = std::max(group_->begin[size_t(lane)], lists.stretch_begin);
+    const int32_t to = std::min(group_->end[size_t(lane)], lists.stretch_end);
+    int64_t covered = 0;
+    for (int32_t r = 0; r < compaction_.rows; ++r) {
+      const size_t at = size_t(r) * kLanes + size_t(lane);
+      const int32_t begin = compaction_.begin[at];
+      const int32_t end = compaction_.end[at];
+      if (begin >= end) continue;
+      const size_t source = size_t(compaction_.entry[at]) * kLanes + size_t(lane);
+      const float slope = lists.slope[source];
+      const float depth = lists.depth[source] + slope * float(begin - lists.begin[source]);
+      compacted_.Append(lane, begin, end, depth, slope, lists.id[source], lists.index[source]);
+      covered += end - begin;
+      farthest = std::min({farthest, depth, depth + slope * float(end - begin)});
+    }
+    if (from < to && covered < to - from) farthest = kNothingHidden;
+  }
+  // Without a gap, the farthest visible depth hides all that lies behind it.
+  if (farthest < std::numeric_limits<float>::infinity()) {
+    hidden_below_[size_t(stretch)] = std::max(hidden_below_[size_t(stretch)], farthest);
+  }
+  compacted_.stretch_begin = lists.stretch_begin;
+  compacted_.stretch_end = lists.stretch_end;
+  compacted_.touched = lists.touched;
+  std::swap(lists, compacted_);
+  holds_static_[size_t(stretch)] = false;
+}
+
+void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces* pieces,
+                              double t, const std::array<int64_t, kLanes>& weights) {
+  for (int lane = 0; lane < group_->lanes; ++lane) {
+    if ((lanes >> lane & 1) == 0 || weights[size_t(lane)] == 0) continue;
+    sums_->BeginLane(lane, double(weights[size_t(lane)]));
+    const int32_t rows = pieces != nullptr ? pieces->rows : lists.count[size_t(lane)];
+    for (int32_t r = 0; r < rows; ++r) {
+      const size_t at = size_t(r) * kLanes + size_t(lane);
+      const int32_t begin = pieces != nullptr ? pieces->begin[at] : lists.begin[at];
+      const int32_t end = pieces != nullptr ? pieces->end[at] : lists.end[at];
+      if (begin >= end) continue;
+      const int32_t entry = pieces != nullptr ? pieces->entry[at] : r;
+      AddPiece(lane, begin, end, lists.index[size_t(entry) * kLanes + size_t(lane)], t, weights[size_t(lane)]);
+    }
+    sums_->EndLane();
+  }
+}
+
+void GroupResolver::AddPiece(int lane, int32_t begin, int32_t end, uint32_t index, double t, int64_t weight) {
+  ++stats_->spans;
+  if (sums_->IsFlat(index)) {
+    sums_->AddFlat(begin, end, index);
+    return;
+  }
+  const TileMeshTriangle& triangle = mesh_->triangles()[index];
+  LinePosition position;
+  if (triangle.needs_position) {
+    position = (triangle.moves ? moving_stratum_ : static_stratum_).PositionOn(index, lane);
+  }
+  const auto bin = uint16_t(t * double(1u << triangle.shading_bins_log2));
+  sums_->AddApart(lane, begin, end, index, bin, weight, position);
+}
+
+}  // namespace shutterline::engine

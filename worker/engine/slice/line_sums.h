@@ -1,0 +1,142 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/tolerance.h"
+#include "worker/engine/slice/line_group.h"
+#include "worker/engine/slice/tile_mesh.h"
+#include "worker/engine/visibility/flat_film.h"
+#include "worker/engine/visibility/pair_weights.h"
+
+namespace shutterline::engine {
+
+/// Perspective-correct position on a triangle along a line: barycentric coordinates b1 and b2 and their sum
+/// with b0, all over w, each at + per_pixel · l. Divide the first two by the third.
+struct LinePosition {
+  std::array<double, 3> at{1.0 / 3, 1.0 / 3, 1}, per_pixel{0, 0, 0};
+};
+
+/// What a group's lines see, gathered over the instants before it goes to the pixels.
+///
+/// What has one colour is noted at the boundaries between visible pieces, as a change of colour: a price that
+/// does not depend on a piece's length or on the number of triangles that a pixel sees; a sum along the line
+/// gives the pixels' shares at the end. Coverage goes the same way, in integers. Other pieces are kept until
+/// the group is done, then gathered by triangle.
+class LineSums {
+ public:
+  /// Begins a tile. `flat` may be null: everything is kept apart by triangle then.
+  void BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights, FlatFilm* flat);
+
+  void BeginGroup(const LineGroup& group);
+
+  /// True if the triangle (of the tile's mesh) only adds its colour.
+  bool IsFlat(uint32_t index) const { return flat_ != nullptr && !mesh_->triangles()[index].needs_position; }
+
+  /// Adds pieces of one lane in ascending order, which do not overlap: Begin, then pieces, then End.
+  /// `weight` counts instants.
+  void BeginLane(int lane, double weight) {
+    sums_ = lane_sums_[size_t(lane)].data();
+    weight_ = weight;
+    color_ = nullptr;
+    end_ = 0;
+  }
+  void AddFlat(int32_t begin, int32_t end, uint32_t index) {
+    const Color& color = ColorOf(index);
+    if (color_ == &color && begin == end_) {
+      end_ = end;
+      return;
+    }
+    if (color_ != nullptr && begin == end_) {
+      Color change;
+      for (size_t c = 0; c < 4; ++c) change[c] = weight_ * (color[c] - (*color_)[c]);
+      Change(begin, change);
+    } else {
+      EndLane();
+      Color change;
+      for (size_t c = 0; c < 4; ++c) change[c] = weight_ * color[c];
+      Change(begin, change);
+    }
+    color_ = &color;
+    end_ = end;
+  }
+  void EndLane() {
+    if (color_ == nullptr) return;
+    Color change;
+    for (size_t c = 0; c < 4; ++c) change[c] = -weight_ * (*color_)[c];
+    Change(end_, change);
+    color_ = nullptr;
+  }
+
+  /// Adds a piece of a triangle that is kept apart. `bin`: its part of the shutter.
+  void AddApart(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
+                const LinePosition& position) {
+    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, position});
+  }
+
+  /// Hands everything on; `weight_of_instant` in units of PairWeights::total().
+  void EndGroup(int64_t weight_of_instant);
+
+ private:
+  using Color = std::array<double, 4>;  // Radiance and coverage.
+  struct Piece {
+    int32_t begin, end;
+    uint32_t index;
+    uint16_t bin;
+    int64_t weight;
+    LinePosition position;
+  };
+  /// Of one triangle (and bin) in a step of a line.
+  struct Share {
+    uint64_t weight = 0;
+    std::array<double, 3> position{};
+  };
+
+  /// The colour of a triangle, shaded when it is first seen.
+  const Color& ColorOf(uint32_t index) {
+    if (known_[index] == 0) Shade(index);
+    return colors_[index];
+  }
+  void Shade(uint32_t index);
+
+  /// From subpixel x on the line's colour is another.
+  void Change(int32_t x, const Color& change) {
+    const int step = x >> kSubpixelBits;
+    const double in_next = x & (kSubpixelsPerPixel - 1);
+    const double in_this = kSubpixelsPerPixel - in_next;
+    Color* const sums = sums_ + step;
+    for (size_t c = 0; c < 4; ++c) sums[0][c] += change[c] * in_this;
+    for (size_t c = 0; c < 4; ++c) sums[1][c] += change[c] * in_next;
+  }
+
+  void FlushFlat(int lane, int64_t weight_of_instant);
+  void FlushApart(int lane, int64_t weight_of_instant);
+  void FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t weight_of_instant);
+  int64_t PixelOf(int lane, int step) const;
+
+  const TileMesh* mesh_ = nullptr;
+  const LinePattern* pattern_ = nullptr;
+  PairWeights* weights_ = nullptr;
+  FlatFilm* flat_ = nullptr;
+  const LineGroup* group_ = nullptr;
+
+  std::vector<Color> colors_;   // By triangle of the mesh.
+  std::vector<uint8_t> known_;  // By triangle of the mesh.
+  /// By lane and step: differences along the line.
+  std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
+  std::array<std::vector<Piece>, kLanes> apart_;
+
+  // The lane in hand.
+  Color* sums_ = nullptr;
+  const Color* color_ = nullptr;
+  double weight_ = 0;
+  int32_t end_ = 0;
+
+  // Of FlushApart.
+  std::vector<uint32_t> order_;
+  std::array<Share, kMaxLinePixels> shares_;
+  int first_step_ = 0, last_step_ = -1;
+};
+
+}  // namespace shutterline::engine
