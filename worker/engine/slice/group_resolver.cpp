@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <cstdlib>
 
 #include "worker/engine/slice/kernels.h"
 
@@ -14,7 +15,8 @@ constexpr uint32_t kAllLanes = (uint32_t{1} << kLanes) - 1;
 /// at for a short while only, which keeps the price linear in the length of the motion.
 constexpr int64_t kInstantsPerStratum = 8;
 /// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
-constexpr double kSegmentsPerStretch = 8;
+const double kSegmentsPerStretch = getenv("SPS") ? atof(getenv("SPS")) : 8;
+const int kFB = getenv("FB") ? atoi(getenv("FB")) : 8;
 
 }  // namespace
 
@@ -94,8 +96,10 @@ void GroupResolver::ChooseStretches() {
 void GroupResolver::ResolveStatic() {
   for (int k = 0; k < stretches_; ++k) {
     lists_[size_t(k)].Clear();
+    lists_[size_t(k)].compact_at = kFB;
     static_lists_[size_t(k)].Clear();
-    hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)] = kNothingHidden;
+    hidden_below_[size_t(k)].fill(kNothingHidden);
+    static_hidden_below_[size_t(k)].fill(kNothingHidden);
     holds_static_[size_t(k)] = false;
   }
   if (static_indices_.empty()) return;
@@ -110,8 +114,16 @@ void GroupResolver::ResolveStatic() {
 }
 
 void GroupResolver::KeepVisibleMoving() {
-  const float hidden =
-      *std::min_element(static_hidden_below_.begin(), static_hidden_below_.begin() + stretches_);
+  float hidden = std::numeric_limits<float>::infinity();
+  for (int k = 0; k < stretches_; ++k) {
+    for (int lane = 0; lane < group_->lanes; ++lane) {
+      if (std::max(group_->begin[size_t(lane)], lists_[size_t(k)].stretch_begin) >=
+          std::min(group_->end[size_t(lane)], lists_[size_t(k)].stretch_end)) {
+        continue;
+      }
+      hidden = std::min(hidden, static_hidden_below_[size_t(k)][size_t(lane)]);
+    }
+  }
   size_t kept = 0;
   while (kept < moving_indices_.size() && mesh_->triangles()[moving_indices_[kept]].nearest >= hidden) ++kept;
   moving_indices_.resize(kept);
@@ -142,6 +154,7 @@ void GroupResolver::ResolveInstant(double t) {
       holds_static_[size_t(k)] = true;
     }
     lists.Truncate(static_lists_[size_t(k)].rows);
+    lists.compact_at = std::max(lists.rows + kFB, 2 * lists.rows);
     hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)];
   }
   FillLists(moving_stratum_);
@@ -157,7 +170,7 @@ void GroupResolver::ResolveInstant(double t) {
       if ((lists.touched >> lane & 1) == 0) ++at_rest_[size_t(k)][size_t(lane)];
     }
     if (lists.touched == 0) continue;
-    March(lists, *group_, lists.touched, pieces_[size_t(k)]);
+    March(lists, mesh_->ids().data(), *group_, lists.touched, pieces_[size_t(k)]);
     AddPieces(lists, lists.touched, &pieces_[size_t(k)], t, kOnce);
   }
 }
@@ -172,33 +185,25 @@ void GroupResolver::FillLists(const Stratum& stratum) {
 void GroupResolver::FillLists(const GroupTriangles& triangles, const PlacedTriangles& placed) {
   Stretches stretches{.lists = {lists_.data(), size_t(stretches_)},
                       .shift = shift_,
-                      .hidden_below = {hidden_below_.data(), size_t(stretches_)},
-                      .compact_at = kFirstBatch};
-  for (int k = 0; k < stretches_; ++k) {
-    stretches.compact_at = std::max(stretches.compact_at, lists_[size_t(k)].rows + kFirstBatch);
-  }
+                      .hidden_below = {hidden_below_.data(), size_t(stretches_)}};
   for (size_t next = 0; next < triangles.count;) {
     next = MakeSegments(triangles, placed, next, *group_, stretches, stats_->segments);
     if (next == triangles.count) break;
-    // Doubling keeps the work of all compactions within a constant factor of the last one.
-    int32_t longest = 0;
     for (int k = 0; k < stretches_; ++k) {
-      if (lists_[size_t(k)].rows >= stretches.compact_at) Compact(k);
-      longest = std::max(longest, lists_[size_t(k)].rows);
+      if (lists_[size_t(k)].rows >= lists_[size_t(k)].compact_at) Compact(k);
     }
-    stretches.compact_at = std::max(stretches.compact_at, 2 * longest);
   }
 }
 
 void GroupResolver::Compact(int stretch) {
   SegmentLists& lists = lists_[size_t(stretch)];
-  March(lists, *group_, kAllLanes, compaction_);
+  March(lists, mesh_->ids().data(), *group_, kAllLanes, compaction_);
   compacted_.Clear();
-  float farthest = std::numeric_limits<float>::infinity();
   for (int lane = 0; lane < group_->lanes; ++lane) {
     const int32_t from = std::max(group_->begin[size_t(lane)], lists.stretch_begin);
     const int32_t to = std::min(group_->end[size_t(lane)], lists.stretch_end);
     int64_t covered = 0;
+    float farthest = std::numeric_limits<float>::infinity();
     for (int32_t r = 0; r < compaction_.rows; ++r) {
       const size_t at = size_t(r) * kLanes + size_t(lane);
       const int32_t begin = compaction_.begin[at];
@@ -207,16 +212,19 @@ void GroupResolver::Compact(int stretch) {
       const size_t source = size_t(compaction_.entry[at]) * kLanes + size_t(lane);
       const float slope = lists.slope[source];
       const float depth = lists.depth[source] + slope * float(begin - lists.begin[source]);
-      compacted_.Append(lane, begin, end, depth, slope, lists.id[source], lists.index[source]);
+      compacted_.Append(lane, begin, end, depth, slope, lists.index[source]);
       covered += end - begin;
       farthest = std::min({farthest, depth, depth + slope * float(end - begin)});
     }
-    if (from < to && covered < to - from) farthest = kNothingHidden;
+    // Without a gap, the farthest visible depth hides all that lies behind it; so it does where there is
+    // no line.
+    if (covered >= to - from) {
+      float& hidden = hidden_below_[size_t(stretch)][size_t(lane)];
+      hidden = std::max(hidden, farthest);
+    }
   }
-  // Without a gap, the farthest visible depth hides all that lies behind it.
-  if (farthest < std::numeric_limits<float>::infinity()) {
-    hidden_below_[size_t(stretch)] = std::max(hidden_below_[size_t(stretch)], farthest);
-  }
+  // Doubling keeps the work of all compactions within a constant factor of the last one.
+  compacted_.compact_at = std::max(compacted_.rows + kFB, 2 * compacted_.rows);
   compacted_.stretch_begin = lists.stretch_begin;
   compacted_.stretch_end = lists.stretch_end;
   compacted_.touched = lists.touched;

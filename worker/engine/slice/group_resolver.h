@@ -26,7 +26,7 @@ class GroupResolver {
   static constexpr int kShortestStretchLog2 = 2;
   static constexpr int kMostStretches = 1 << (kMaxLinePixelsLog2 - kShortestStretchLog2);
   /// Segments that a list takes before what is hidden among them is dropped.
-  static constexpr int32_t kFirstBatch = 48;
+  static constexpr int32_t kFirstBatch = 8;
 
   void GatherTriangles();
   void ChooseStretches();
@@ -54,14 +54,14 @@ class GroupResolver {
   int stretches_ = 1;
   int shift_ = 0;
   std::array<SegmentLists, kMostStretches> lists_;
-  std::array<float, kMostStretches> hidden_below_{};
+  std::array<HiddenBelow, kMostStretches> hidden_below_{};
   std::array<VisiblePieces, kMostStretches> pieces_;
   VisiblePieces compaction_;
   SegmentLists compacted_;
 
   // What stands still, as the visible pieces of it.
   std::array<SegmentLists, kMostStretches> static_lists_;
-  std::array<float, kMostStretches> static_hidden_below_{};
+  std::array<HiddenBelow, kMostStretches> static_hidden_below_{};
   std::array<bool, kMostStretches> holds_static_{};  // lists_ begins with static_lists_.
   /// Instants at which nothing that moves is on a lane's stretch.
   std::array<std::array<int64_t, kLanes>, kMostStretches> at_rest_;

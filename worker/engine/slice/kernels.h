@@ -30,8 +30,7 @@ void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& verti
 struct Stretches {
   std::span<SegmentLists> lists;
   int shift = 0;  ///< Stretch of subpixel x: x >> shift.
-  std::span<const float> hidden_below;  ///< By stretch: depths below are hidden on all lanes.
-  int32_t compact_at = 0;               ///< MakeSegments stops when a list has become so long.
+  std::span<const HiddenBelow> hidden_below;
 };
 
 /// Cuts the placed triangles from `first` on by the group's lines and appends the segments. A crossing of an
@@ -42,8 +41,9 @@ size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& plac
                     const LineGroup& group, Stretches& stretches, int64_t& made);
 
 /// Exact visibility along all lanes of a stretch in lockstep: the upper envelope of each lane's segments.
-/// See docs/math/line_samples.md. `active` has a bit for each lane that is wanted.
-void March(const SegmentLists& lists, const LineGroup& group, uint32_t active, VisiblePieces& pieces);
+/// See docs/math/line_samples.md. `active` has a bit for each lane that is wanted;
+/// `ids` are the frame's numbers of the tile's triangles: of two at equal depth the lower hides the other.
+void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active, VisiblePieces& pieces);
 
 /// The name of the instruction set that is used.
 const char* KernelTarget();

@@ -28,8 +28,8 @@ class Marcher {
   using Mask = hn::Mask<Ints>;
   using FloatMask = hn::Mask<Floats>;
 
-  HWY_INLINE Marcher(const SegmentLists& lists, int base)
-      : lists_(lists), base_(base), lane_(hn::Iota(Ints(), base)) {}
+  HWY_INLINE Marcher(const SegmentLists& lists, const uint32_t* ids, int base)
+      : lists_(lists), ids_(ids), base_(base), lane_(hn::Iota(Ints(), base)) {}
 
   /// Marches the lanes from x to their limits; writes row after row of `pieces` and returns their number.
   HWY_INLINE int32_t Run(IntsV x, IntsV limit, VisiblePieces& pieces) {
@@ -113,13 +113,15 @@ class Marcher {
   /// At equal depths: does entry `r` of slope `slope` hide entry `other` right of there? The faster rising
   /// does, then the lower id.
   HWY_NOINLINE Mask WinsTie(int32_t r, FloatsV slope, IntsV other) const {
+    const Ints di;
     const Ids du;
     const auto at = AddressOf(other);
     const auto other_slope = hn::GatherIndex(Floats(), lists_.slope.data(), at);
-    const auto other_id =
-        hn::BitCast(du, hn::GatherIndex(Ints(), reinterpret_cast<const int32_t*>(lists_.id.data()), at));
-    const auto id = hn::LoadU(du, lists_.id.data() + size_t(r) * kLanes + size_t(base_));
-    const auto lower = hn::RebindMask(Ints(), hn::Lt(id, other_id));
+    const auto* index = reinterpret_cast<const int32_t*>(lists_.index.data());
+    const auto* ids = reinterpret_cast<const int32_t*>(ids_);
+    const auto other_id = hn::BitCast(du, hn::GatherIndex(di, ids, hn::GatherIndex(di, index, at)));
+    const auto own = hn::LoadU(di, index + size_t(r) * kLanes + size_t(base_));
+    const auto lower = hn::RebindMask(di, hn::Lt(hn::BitCast(du, hn::GatherIndex(di, ids, own)), other_id));
     return hn::Or(I(hn::Gt(slope, other_slope)), hn::And(I(hn::Eq(slope, other_slope)), lower));
   }
 
@@ -213,11 +215,12 @@ class Marcher {
   }
 
   const SegmentLists& lists_;
+  const uint32_t* ids_;
   int base_;
   IntsV lane_;
 };
 
-inline void MarchKernel(const SegmentLists& lists, const LineGroup& group, uint32_t active,
+inline void MarchKernel(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active,
                         VisiblePieces& pieces) {
   const Marcher::Ints di;
   const int n = int(hn::Lanes(di));
@@ -232,7 +235,7 @@ inline void MarchKernel(const SegmentLists& lists, const LineGroup& group, uint3
   int32_t written[kLanes];
   int vectors = 0;
   for (int base = 0; base < kLanes; base += n) {
-    Marcher marcher(lists, base);
+    Marcher marcher(lists, ids, base);
     written[vectors] = marcher.Run(hn::LoadU(di, begin + base), hn::LoadU(di, end + base), pieces);
     rows = std::max(rows, written[vectors++]);
   }

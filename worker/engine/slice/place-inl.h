@@ -167,6 +167,9 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVe
     store_float(hn::Max(depth[0], hn::Max(depth[1], depth[2])), out.nearest);
     hn::StoreU(hn::DemoteTo(i32, first), i32, out.first_lane.data() + i);
     hn::StoreU(hn::DemoteTo(i32, last), i32, out.last_lane.data() + i);
+    hn::StoreU(hn::DemoteTo(i32, hn::Max(hn::Sub(least, one), zero)), i32, out.least.data() + i);
+    hn::StoreU(hn::DemoteTo(i32, hn::Min(hn::Add(most, one), hn::Sub(line_end, one))), i32,
+               out.most.data() + i);
   }
 }
 

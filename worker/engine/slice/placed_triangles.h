@@ -61,6 +61,7 @@ struct PlacedTriangles {
   std::vector<float> depth_a, depth_ac, depth_ab, depth_b, depth_bc;
   std::vector<float> nearest;  ///< Depth.
   std::vector<int32_t> first_lane, last_lane;
+  std::vector<int32_t> least, most;  ///< Bounds along the lines, subpixels, within the lines' length.
   std::vector<uint8_t> met;      ///< 1: meets a lane within the lines' length. By triangle.
   std::vector<uint8_t> clipped;  ///< 1: a corner is beyond the near or the far plane.
 
@@ -72,7 +73,7 @@ struct PlacedTriangles {
     for (auto* v : {&depth_a, &depth_ac, &depth_ab, &depth_b, &depth_bc, &nearest}) {
       if (v->size() < n) v->resize(n);
     }
-    for (auto* v : {&first_lane, &last_lane}) {
+    for (auto* v : {&first_lane, &last_lane, &least, &most}) {
       if (v->size() < n) v->resize(n);
     }
     for (auto* v : {&met, &clipped}) {

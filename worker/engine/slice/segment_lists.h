@@ -9,6 +9,9 @@
 
 namespace shutterline::engine {
 
+/// For each lane a depth below which nothing can be seen on a stretch.
+using HiddenBelow = std::array<float, kLanes>;
+
 /// For each lane the segments that reach into a stretch of the lines: entry n of lane i is at
 /// [n · kLanes + i]. Lanes that have fewer entries than others are filled up with segments that cover
 /// nothing. Lists grow as needed.
@@ -19,12 +22,12 @@ struct SegmentLists {
 
   /// The stretch, subpixels; lanes' own ends cut it further.
   int32_t stretch_begin = 0, stretch_end = 0;
-  int32_t rows = 0;  ///< The longest list.
+  int32_t rows = 0;        ///< The longest list.
+  int32_t compact_at = 0;  ///< When `rows` reaches this, what is hidden should be dropped.
   uint32_t touched = 0;  ///< A bit for each lane that something has been appended to since Clear.
   std::array<int32_t, kLanes> count{};
   std::vector<int32_t> begin, end;
   std::vector<float> depth, slope;
-  std::vector<uint32_t> id;     ///< Of the triangle in the frame.
   std::vector<uint32_t> index;  ///< Of the triangle in the tile's mesh.
 
   void Clear() {
@@ -40,7 +43,7 @@ struct SegmentLists {
     count.fill(kept);
   }
 
-  void Append(int lane, int32_t b, int32_t e, float d, float s, uint32_t frame_id, uint32_t tile_index) {
+  void Append(int lane, int32_t b, int32_t e, float d, float s, uint32_t tile_index) {
     touched |= uint32_t{1} << lane;
     const int32_t n = count[size_t(lane)]++;
     if (n == rows) AddRow();
@@ -49,7 +52,6 @@ struct SegmentLists {
     end[at] = e;
     depth[at] = d;
     slope[at] = s;
-    id[at] = frame_id;
     index[at] = tile_index;
   }
 
@@ -62,7 +64,6 @@ struct SegmentLists {
       end.resize(grown);
       depth.resize(grown);
       slope.resize(grown);
-      id.resize(grown);
       index.resize(grown);
     }
     std::fill_n(begin.data() + at, kLanes, kNeverBegins);

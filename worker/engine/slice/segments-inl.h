@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
+#include <bit>
 
 #include "common/math/tolerance.h"
 #include "worker/engine/slice/kernels.h"
@@ -17,6 +17,19 @@ HWY_BEFORE_NAMESPACE();
 namespace shutterline::engine {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// The lanes whose value is above `bound`.
+HWY_INLINE uint32_t LanesAbove(const HiddenBelow& values, float bound) {
+  const hn::CappedTag<float, kLanes> d;
+  const auto limit = hn::Set(d, bound);
+  uint32_t lanes = 0;
+  for (size_t base = 0; base < kLanes; base += hn::Lanes(d)) {
+    uint8_t bits[8] = {0};
+    hn::StoreMaskBits(d, hn::Gt(hn::LoadU(d, values.data() + base), limit), bits);
+    lanes |= (uint32_t{bits[0]} | uint32_t{bits[1]} << 8) << base;
+  }
+  return lanes;
+}
 
 inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
                                  const LineGroup& group, Stretches& stretches, int64_t& made) {
@@ -27,18 +40,25 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
   const auto half = hn::Set(d, 0.5);
   const auto one = hn::Set(d, 1.0);
   SegmentLists* const lists = stretches.lists.data();
-  const float* const hidden = stretches.hidden_below.data();
-  const float hidden_everywhere = *std::min_element(stretches.hidden_below.begin(), stretches.hidden_below.end());
   const int shift = stretches.shift;
   alignas(64) int32_t begin[kLanes], end[kLanes];
   alignas(64) float depth[kLanes], slope[kLanes];
+  uint32_t open[kMaxLinePixels];  // By stretch: the lanes on which the triangle at hand is not hidden.
 
   for (size_t j = first; j < triangles.count; ++j) {
     if (placed.met[j] == 0) continue;
-    const float nearest = placed.nearest[j] * kFloatDepthSlack;
-    if (nearest < hidden_everywhere) continue;
     const int from = placed.first_lane[j];
     const int to = placed.last_lane[j];
+    const uint32_t lanes = (uint32_t{2} << to) - (uint32_t{1} << from);
+    const int first_stretch = placed.least[j] >> shift;
+    const int last_stretch = placed.most[j] >> shift;
+    const float nearest = placed.nearest[j] * kFloatDepthSlack;
+    uint32_t open_anywhere = 0;
+    for (int k = first_stretch; k <= last_stretch; ++k) {
+      open[k] = lanes & ~LanesAbove(stretches.hidden_below[size_t(k)], nearest);
+      open_anywhere |= open[k];
+    }
+    if (open_anywhere == 0) continue;
 
     for (int base = from / n * n; base <= to; base += n) {
       const auto lane = hn::Iota(d, double(base));
@@ -83,14 +103,14 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
     }
 
     bool full = false;
-    for (int lane = from; lane <= to; ++lane) {
+    for (uint32_t left = open_anywhere; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
       if (begin[lane] >= end[lane]) continue;
       ++made;
       for (int k = begin[lane] >> shift; k <= (end[lane] - 1) >> shift; ++k) {
-        if (nearest < hidden[k]) continue;
-        lists[k].Append(lane, begin[lane], end[lane], depth[lane], slope[lane], triangles.id[j],
-                        triangles.index[j]);
-        full |= lists[k].rows >= stretches.compact_at;
+        if ((open[k] >> lane & 1) == 0) continue;
+        lists[k].Append(lane, begin[lane], end[lane], depth[lane], slope[lane], triangles.index[j]);
+        full |= lists[k].rows >= lists[k].compact_at;
       }
     }
     if (full) return j + 1;

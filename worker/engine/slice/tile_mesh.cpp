@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/math/tolerance.h"
+#include "worker/engine/slice/moving_vertices.h"
 
 namespace shutterline::engine {
 namespace {
@@ -232,6 +233,9 @@ void TileMesh::Build(const TileInput& input, const LinePattern& pattern) {
   std::sort(triangles_.begin(), triangles_.end(), [](const TileMeshTriangle& a, const TileMeshTriangle& b) {
     return a.nearest != b.nearest ? a.nearest > b.nearest : a.id < b.id;
   });
+  ids_.clear();
+  for (const TileMeshTriangle& triangle : triangles_) ids_.push_back(triangle.id);
+  ids_.resize(Padded(ids_.size()));
 }
 
 }  // namespace shutterline::engine

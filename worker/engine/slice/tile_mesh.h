@@ -54,6 +54,9 @@ class TileMesh {
   const std::vector<TileVertex>& vertices() const { return vertices_; }
   const std::vector<TileMeshTriangle>& triangles() const { return triangles_; }
 
+  /// By triangle: its number in the frame.
+  const std::vector<uint32_t>& ids() const { return ids_; }
+
   /// Coefficients in the time of its piece, of the piece that holds `t`, of a vertex in homogeneous tile
   /// coordinates.
   struct Power {
@@ -71,6 +74,7 @@ class TileMesh {
   VertexNumbering numbering_;
   std::vector<TileVertex> vertices_;
   std::vector<TileMeshTriangle> triangles_;
+  std::vector<uint32_t> ids_;
 };
 
 }  // namespace shutterline::engine
