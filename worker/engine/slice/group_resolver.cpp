@@ -10,10 +10,13 @@ namespace shutterline::engine {
 namespace {
 
 constexpr float kNothingHidden = -std::numeric_limits<float>::infinity();
+constexpr float kEverythingHidden = std::numeric_limits<float>::infinity();
 constexpr uint32_t kAllLanes = (uint32_t{1} << kLanes) - 1;
-/// Instants whose triangles are gathered at once. What is on the lines for a short while only is then looked
-/// at for a short while only, which keeps the price linear in the length of the motion.
-constexpr int64_t kInstantsPerStratum = 8;
+/// The shutter is cut where things have moved on by about so many pixels, and triangles are gathered anew:
+/// what is on the lines for a short while is then looked at for a short while only, which keeps the price
+/// linear in the length of the motion.
+constexpr double kPixelsPerStratum = 32;
+constexpr int64_t kLeastPerStratum = 4;
 /// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
 const double kSegmentsPerStretch = getenv("SPS") ? atof(getenv("SPS")) : 8;
 const int kFB = getenv("FB") ? atoi(getenv("FB")) : 8;
@@ -41,7 +44,7 @@ void GroupResolver::Resolve(const TileMesh& mesh, const LineGroup& group, const 
   const int64_t instants = moving_indices_.empty() ? 1 : time_samples.InstantsFor(motion);
   stats.instants += instants * group.lanes;
   for (int k = 0; k < stretches_; ++k) at_rest_[size_t(k)].fill(moving_indices_.empty() ? 1 : 0);
-  if (!moving_indices_.empty()) ResolveInstants(instants);
+  if (!moving_indices_.empty()) ResolveInstants(instants, motion);
   for (int k = 0; k < stretches_; ++k) {
     AddPieces(static_lists_[size_t(k)], kAllLanes, nullptr, 0, at_rest_[size_t(k)]);
   }
@@ -98,13 +101,18 @@ void GroupResolver::ResolveStatic() {
     lists_[size_t(k)].Clear();
     lists_[size_t(k)].compact_at = kFB;
     static_lists_[size_t(k)].Clear();
-    hidden_below_[size_t(k)].fill(kNothingHidden);
-    static_hidden_below_[size_t(k)].fill(kNothingHidden);
+    HiddenBelow& hidden = hidden_below_[size_t(k)];
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const bool is_line = std::max(group_->begin[lane], lists_[size_t(k)].stretch_begin) <
+                           std::min(group_->end[lane], lists_[size_t(k)].stretch_end);
+      hidden[lane] = is_line ? kNothingHidden : kEverythingHidden;
+    }
+    static_hidden_below_[size_t(k)] = hidden;
     holds_static_[size_t(k)] = false;
   }
   if (static_indices_.empty()) return;
   static_stratum_.Build(*mesh_, *group_, static_indices_, 0, 1);
-  static_stratum_.Place(0.5);
+  static_stratum_.BeginInstant(0.5);
   FillLists(static_stratum_);
   for (int k = 0; k < stretches_; ++k) {
     Compact(k);
@@ -113,25 +121,27 @@ void GroupResolver::ResolveStatic() {
   }
 }
 
-void GroupResolver::KeepVisibleMoving() {
+float GroupResolver::HiddenEverywhere() const {
   float hidden = std::numeric_limits<float>::infinity();
   for (int k = 0; k < stretches_; ++k) {
-    for (int lane = 0; lane < group_->lanes; ++lane) {
-      if (std::max(group_->begin[size_t(lane)], lists_[size_t(k)].stretch_begin) >=
-          std::min(group_->end[size_t(lane)], lists_[size_t(k)].stretch_end)) {
-        continue;
-      }
-      hidden = std::min(hidden, static_hidden_below_[size_t(k)][size_t(lane)]);
-    }
+    const HiddenBelow& below = hidden_below_[size_t(k)];
+    hidden = std::min(hidden, *std::min_element(below.begin(), below.begin() + group_->lanes));
   }
+  return hidden;
+}
+
+void GroupResolver::KeepVisibleMoving() {
+  const float hidden = HiddenEverywhere();
   size_t kept = 0;
   while (kept < moving_indices_.size() && mesh_->triangles()[moving_indices_[kept]].nearest >= hidden) ++kept;
   moving_indices_.resize(kept);
 }
 
-void GroupResolver::ResolveInstants(int64_t instants) {
-  for (int64_t first = 0; first < instants; first += kInstantsPerStratum) {
-    const int64_t end = std::min(instants, first + kInstantsPerStratum);
+void GroupResolver::ResolveInstants(int64_t instants, double motion) {
+  const int64_t per_stratum =
+      std::max(kLeastPerStratum, int64_t(double(instants) * kPixelsPerStratum / std::max(motion, 1.0)));
+  for (int64_t first = 0; first < instants; first += per_stratum) {
+    const int64_t end = std::min(instants, first + per_stratum);
     const double offset = group_->instant_offset;
     moving_stratum_.Build(*mesh_, *group_, moving_indices_, TimeSamples::InstantAt(first, instants, offset),
                           TimeSamples::InstantAt(end - 1, instants, offset));
@@ -146,7 +156,7 @@ void GroupResolver::ResolveInstants(int64_t instants) {
 }
 
 void GroupResolver::ResolveInstant(double t) {
-  moving_stratum_.Place(t);
+  moving_stratum_.BeginInstant(t);
   for (int k = 0; k < stretches_; ++k) {
     SegmentLists& lists = lists_[size_t(k)];
     if (!holds_static_[size_t(k)]) {
@@ -175,20 +185,21 @@ void GroupResolver::ResolveInstant(double t) {
   }
 }
 
-void GroupResolver::FillLists(const Stratum& stratum) {
-  if (stratum.clipped_triangles().count > 0) {
-    FillLists(stratum.clipped_triangles(), stratum.clipped_placed());
+void GroupResolver::FillLists(Stratum& stratum) {
+  while (stratum.nearest_left() >= HiddenEverywhere() && stratum.PlaceNextBlock()) {
+    Append(stratum.triangles(), stratum.placed());
+    if (stratum.clipped_triangles().count > 0) {
+      Append(stratum.clipped_triangles(), stratum.clipped_placed());
+    }
   }
-  FillLists(stratum.triangles(), stratum.placed());
 }
 
-void GroupResolver::FillLists(const GroupTriangles& triangles, const PlacedTriangles& placed) {
+void GroupResolver::Append(const GroupTriangles& triangles, const PlacedTriangles& placed) {
   Stretches stretches{.lists = {lists_.data(), size_t(stretches_)},
                       .shift = shift_,
                       .hidden_below = {hidden_below_.data(), size_t(stretches_)}};
-  for (size_t next = 0; next < triangles.count;) {
+  for (size_t next = 0; next < placed.met.size();) {
     next = MakeSegments(triangles, placed, next, *group_, stretches, stats_->segments);
-    if (next == triangles.count) break;
     for (int k = 0; k < stretches_; ++k) {
       if (lists_[size_t(k)].rows >= lists_[size_t(k)].compact_at) Compact(k);
     }
@@ -216,8 +227,7 @@ void GroupResolver::Compact(int stretch) {
       covered += end - begin;
       farthest = std::min({farthest, depth, depth + slope * float(end - begin)});
     }
-    // Without a gap, the farthest visible depth hides all that lies behind it; so it does where there is
-    // no line.
+    // Without a gap, the farthest visible depth hides all that lies behind it.
     if (covered >= to - from) {
       float& hidden = hidden_below_[size_t(stretch)][size_t(lane)];
       hidden = std::max(hidden, farthest);

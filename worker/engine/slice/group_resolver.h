@@ -32,11 +32,13 @@ class GroupResolver {
   void ChooseStretches();
   void ResolveStatic();
   void KeepVisibleMoving();
-  void ResolveInstants(int64_t instants);
+  void ResolveInstants(int64_t instants, double motion);
   void ResolveInstant(double t);
-  /// Cuts all triangles of a stratum, placed now, into lists_.
-  void FillLists(const Stratum& stratum);
-  void FillLists(const GroupTriangles& triangles, const PlacedTriangles& placed);
+  /// Cuts all triangles of a stratum, at its instant, into lists_.
+  void FillLists(Stratum& stratum);
+  void Append(const GroupTriangles& triangles, const PlacedTriangles& placed);
+  /// The depth below which nothing can be seen anywhere on the lines.
+  float HiddenEverywhere() const;
   /// Drops what is hidden in a stretch, and notes what is hidden behind the rest.
   void Compact(int stretch);
   void AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces* pieces, double t,

@@ -14,23 +14,19 @@
 namespace shutterline::engine {
 
 HWY_EXPORT(PlaceVerticesKernel);
-HWY_EXPORT(ProjectVerticesKernel);
 HWY_EXPORT(PlaceTrianglesKernel);
 HWY_EXPORT(MakeSegmentsKernel);
 HWY_EXPORT(MarchKernel);
 HWY_EXPORT(TargetName);
 
-void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, PlacedVertices& placed) {
-  HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, t, far_depth, placed);
+void PlaceVertices(const MovingVertices& vertices, size_t begin, size_t end, bool curved, double t,
+                   double far_depth, PlacedVertices& placed) {
+  HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, begin, end, curved, t, far_depth, placed);
 }
 
-void ProjectVertices(size_t begin, size_t end, PlacedVertices& placed) {
-  HWY_DYNAMIC_DISPATCH(ProjectVerticesKernel)(begin, end, placed);
-}
-
-void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& vertices, double t, int lanes,
-                    int32_t length, PlacedTriangles& placed) {
-  HWY_DYNAMIC_DISPATCH(PlaceTrianglesKernel)(triangles, vertices, t, lanes, length, placed);
+void PlaceTriangles(const GroupTriangles& triangles, size_t begin, size_t end, const PlacedVertices& vertices,
+                    double t, int lanes, int32_t length, PlacedTriangles& placed) {
+  HWY_DYNAMIC_DISPATCH(PlaceTrianglesKernel)(triangles, begin, end, vertices, t, lanes, length, placed);
 }
 
 size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,

@@ -14,17 +14,15 @@
 /// oldest lacks), no sum across lanes.
 namespace shutterline::engine {
 
-/// Places the vertices at shutter time t, in line coordinates.
-void PlaceVertices(const MovingVertices& vertices, double t, double far_depth, PlacedVertices& placed);
+/// Places vertices [begin, end) of the arrays at shutter time t, in line coordinates; up to kPad after them
+/// are overwritten. `curved`: they are on curved paths.
+void PlaceVertices(const MovingVertices& vertices, size_t begin, size_t end, bool curved, double t,
+                   double far_depth, PlacedVertices& placed);
 
-/// Projects vertices `begin` to `end`, all within the near and the far plane, from their homogeneous
-/// coordinates. Up to kPad vertices after them are overwritten.
-void ProjectVertices(size_t begin, size_t end, PlacedVertices& placed);
-
-/// Sets up triangles [0, triangles.count) at shutter time t: which of the `lanes` lanes each meets within the
-/// lines' `length` (subpixels), and its edges.
-void PlaceTriangles(const GroupTriangles& triangles, const PlacedVertices& vertices, double t, int lanes,
-                    int32_t length, PlacedTriangles& placed);
+/// Sets up triangles [begin, end) at shutter time t, `begin` a multiple of kPad: which of the `lanes` lanes
+/// each meets within the lines' `length` (subpixels), and its edges. Replaces placed.met and placed.clipped.
+void PlaceTriangles(const GroupTriangles& triangles, size_t begin, size_t end, const PlacedVertices& vertices,
+                    double t, int lanes, int32_t length, PlacedTriangles& placed);
 
 /// How the lines are cut into stretches that are resolved apart.
 struct Stretches {
@@ -33,10 +31,10 @@ struct Stretches {
   std::span<const HiddenBelow> hidden_below;
 };
 
-/// Cuts the placed triangles from `first` on by the group's lines and appends the segments. A crossing of an
-/// edge is computed from the edge's corners alone, in an order that does not depend on the triangle, so
-/// neighbours get bit-equal ends. Returns the triangle at which it stopped, because a list is to be
-/// compacted first; triangles.count if it is through. Adds to `made`.
+/// Cuts the met triangles, from number `first` of them on, by the group's lines and appends the segments. A
+/// crossing of an edge is computed from the edge's corners alone, in an order that does not depend on the
+/// triangle, so neighbours get bit-equal ends. Returns the number at which it stopped, because a list is to
+/// be compacted first; placed.met.size() if it is through. Adds to `made`.
 size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
                     const LineGroup& group, Stretches& stretches, int64_t& made);
 

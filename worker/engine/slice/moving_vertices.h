@@ -27,14 +27,12 @@ struct MovingVertices {
 
 /// The vertices at one instant. Where a vertex is beyond the near or the far plane, `row` is NaN.
 struct PlacedVertices {
-  std::array<std::vector<double>, kLineCoordinates> homogeneous;
   std::vector<double> row;       ///< Pixels: lane i lies at row i.
   std::vector<double> position;  ///< Along the lines, subpixels.
   std::vector<double> depth;
 
   size_t size() const { return row.size(); }
   void Resize(size_t n) {
-    for (auto& coordinate : homogeneous) coordinate.resize(n);
     row.resize(n);
     position.resize(n);
     depth.resize(n);

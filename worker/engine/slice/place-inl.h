@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <limits>
 
 #include "common/math/tolerance.h"
@@ -21,65 +22,55 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 8>;
 using DoublesV = hn::Vec<Doubles>;
 
-/// Divides through by w.
-HWY_INLINE void Project(Doubles d, size_t i, DoublesV f, DoublesV g, DoublesV z, DoublesV w,
-                        PlacedVertices& placed) {
-  const auto inverse = hn::Div(hn::Set(d, 1.0), w);
-  hn::StoreU(hn::Mul(f, inverse), d, placed.row.data() + i);
-  hn::StoreU(hn::Mul(hn::Mul(g, inverse), hn::Set(d, double(kSubpixelsPerPixel))), d,
-             placed.position.data() + i);
-  hn::StoreU(hn::Mul(z, inverse), d, placed.depth.data() + i);
-}
-
-inline void ProjectVerticesKernel(size_t begin, size_t end, PlacedVertices& placed) {
+inline void PlaceVerticesKernel(const MovingVertices& vertices, size_t begin, size_t end, bool curved,
+                                double t, double far_depth, PlacedVertices& placed) {
   const Doubles d;
-  const auto& at = placed.homogeneous;
-  for (size_t i = begin; i < end; i += hn::Lanes(d)) {
-    Project(d, i, hn::LoadU(d, at[0].data() + i), hn::LoadU(d, at[1].data() + i),
-            hn::LoadU(d, at[2].data() + i), hn::LoadU(d, at[3].data() + i), placed);
-  }
-}
-
-inline void PlaceVerticesKernel(const MovingVertices& vertices, double t, double far_depth,
-                                PlacedVertices& placed) {
-  const Doubles d;
-  const size_t lanes = hn::Lanes(d);
   const auto time = hn::Set(d, t);
   const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
+  const auto one = hn::Set(d, 1.0);
+  const auto subpixels = hn::Set(d, double(kSubpixelsPerPixel));
+  const auto far = hn::Set(d, far_depth);
   const auto& power = vertices.power;
-  const auto place = [&](size_t i, const auto& evaluate) HWY_ATTR {
+  for (size_t i = begin; i < end; i += hn::Lanes(d)) {
     DoublesV at[kLineCoordinates];
-    for (int c = 0; c < kLineCoordinates; ++c) {
-      at[c] = evaluate(c);
-      hn::StoreU(at[c], d, placed.homogeneous[c].data() + i);
+    if (curved) {
+      const size_t k = i - Padded(vertices.linear);
+      const auto tau = hn::Add(hn::Mul(time, hn::LoadU(d, vertices.time_scale.data() + k)),
+                               hn::LoadU(d, vertices.time_offset.data() + k));
+      for (int c = 0; c < kLineCoordinates; ++c) {
+        at[c] = hn::LoadU(d, power[3][c].data() + i);
+        for (int p = 2; p >= 0; --p) {
+          at[c] = hn::Add(hn::LoadU(d, power[p][c].data() + i), hn::Mul(tau, at[c]));
+        }
+      }
+    } else {
+      for (int c = 0; c < kLineCoordinates; ++c) {
+        at[c] = hn::Add(hn::LoadU(d, power[0][c].data() + i),
+                        hn::Mul(time, hn::LoadU(d, power[1][c].data() + i)));
+      }
     }
-    Project(d, i, at[0], at[1], at[2], at[3], placed);
-    // Vertices beyond the near or the far plane have no row.
+    // Divide through by w; vertices beyond the near or the far plane get no row.
+    const auto inverse = hn::Div(one, at[3]);
     const auto inside = hn::And(hn::And(hn::Ge(at[3], at[2]), hn::Gt(at[3], hn::Zero(d))),
-                                hn::Ge(at[2], hn::Mul(hn::Set(d, far_depth), at[3])));
-    hn::StoreU(hn::IfThenElse(inside, hn::LoadU(d, placed.row.data() + i), nan), d, placed.row.data() + i);
-  };
-  for (size_t i = 0; i < vertices.linear; i += lanes) {
-    place(i, [&](int c) HWY_ATTR {
-      return hn::Add(hn::LoadU(d, power[0][c].data() + i),
-                     hn::Mul(time, hn::LoadU(d, power[1][c].data() + i)));
-    });
-  }
-  const size_t curved = Padded(vertices.linear);
-  for (size_t i = curved; i < curved + vertices.count - vertices.linear; i += lanes) {
-    const size_t k = i - curved;
-    const auto tau = hn::Add(hn::Mul(time, hn::LoadU(d, vertices.time_scale.data() + k)),
-                             hn::LoadU(d, vertices.time_offset.data() + k));
-    place(i, [&](int c) HWY_ATTR {
-      auto sum = hn::LoadU(d, power[3][c].data() + i);
-      for (int p = 2; p >= 0; --p) sum = hn::Add(hn::LoadU(d, power[p][c].data() + i), hn::Mul(tau, sum));
-      return sum;
-    });
+                                hn::Ge(at[2], hn::Mul(far, at[3])));
+    hn::StoreU(hn::IfThenElse(inside, hn::Mul(at[0], inverse), nan), d, placed.row.data() + i);
+    hn::StoreU(hn::Mul(hn::Mul(at[1], inverse), subpixels), d, placed.position.data() + i);
+    hn::StoreU(hn::Mul(at[2], inverse), d, placed.depth.data() + i);
   }
 }
 
-inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVertices& vertices, double t,
-                                 int lanes, int32_t length, PlacedTriangles& out) {
+/// Appends the numbers of the lanes that are set, counted from `first`.
+HWY_INLINE void AppendSet(Doubles d, hn::Mask<Doubles> mask, uint32_t first, std::vector<uint32_t>& numbers) {
+  uint8_t bits[8] = {0};
+  hn::StoreMaskBits(d, mask, bits);
+  for (uint32_t left = bits[0]; left != 0; left &= left - 1) {
+    numbers.push_back(first + uint32_t(std::countr_zero(left)));
+  }
+}
+
+inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, size_t end,
+                                 const PlacedVertices& vertices, double t, int lanes, int32_t length,
+                                 PlacedTriangles& out) {
   const Doubles d;
   const hn::Rebind<int32_t, Doubles> i32;
   const hn::Rebind<int64_t, Doubles> i64;
@@ -91,10 +82,9 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVe
   const auto last_lane = hn::Set(d, double(lanes - 1));
   const auto line_end = hn::Set(d, double(length));
 
-  for (size_t i = 0; i < triangles.count; i += n) {
-    uint8_t* const met = out.met.data() + i;
-    uint8_t* const clipped = out.clipped.data() + i;
-    for (size_t k = 0; k < n; ++k) met[k] = clipped[k] = 0;
+  out.met.clear();
+  out.clipped.clear();
+  for (size_t i = begin; i < end; i += n) {
     const auto in_time = hn::And(hn::Le(hn::LoadU(d, triangles.t_in.data() + i), time),
                                  hn::Ge(hn::LoadU(d, triangles.t_out.data() + i), time));
     if (hn::AllFalse(d, in_time)) continue;
@@ -136,15 +126,9 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, const PlacedVe
                                hn::And(hn::Gt(most, zero), hn::Lt(least, line_end)));
     const auto all = hn::And(meets, usable);
 
-    uint8_t bits[8] = {0};
-    hn::StoreMaskBits(d, to_clip, bits);
-    uint8_t met_bits[8] = {0};
-    hn::StoreMaskBits(d, all, met_bits);
-    for (size_t k = 0; k < n; ++k) {
-      clipped[k] = uint8_t(bits[0] >> k & 1);
-      met[k] = uint8_t(met_bits[0] >> k & 1);
-    }
-    if (met_bits[0] == 0) continue;
+    AppendSet(d, to_clip, uint32_t(i), out.clipped);
+    if (hn::AllFalse(d, all)) continue;
+    AppendSet(d, all, uint32_t(i), out.met);
 
     const auto store = [&](DoublesV v, std::vector<double>& to) HWY_ATTR { hn::StoreU(v, d, to.data() + i); };
     const auto store_float = [&](DoublesV v, std::vector<float>& to)

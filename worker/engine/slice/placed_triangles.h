@@ -9,46 +9,44 @@
 
 namespace shutterline::engine {
 
-/// Triangles that a group of lines may meet, nearest first: indices into the vertices, and what the set-up
-/// must know of each.
+/// What the set-up must know of a triangle that a group of lines may meet.
+struct GroupTriangle {
+  std::array<int32_t, 3> vertices{};
+  uint32_t index = 0;  ///< In the tile's mesh.
+  double t_in = 2, t_out = -1;
+  /// Not drawn where facing · signed area < 0 in (row, position); 0: both sides are.
+  double facing = 0;
+};
+
+/// The same for many, as a structure of arrays.
 struct GroupTriangles {
   size_t count = 0;
   std::array<std::vector<int32_t>, 3> vertex;
-  std::vector<uint32_t> index;  ///< In the tile's mesh.
-  std::vector<uint32_t> id;     ///< In the frame: of two at equal depth the lower hides the other.
-  std::vector<double> t_in, t_out;
-  /// Drawn where facing · signed area >= 0 in (row, position); 0: both sides are.
-  std::vector<double> facing;
+  std::vector<uint32_t> index;
+  std::vector<double> t_in, t_out, facing;
 
-  void Clear() {
-    count = 0;
-    for (auto& v : vertex) v.clear();
-    index.clear();
-    id.clear();
-    t_in.clear();
-    t_out.clear();
-    facing.clear();
+  /// Makes room for n triangles and as many as fill up the last vector.
+  void Reserve(size_t n) {
+    n = Padded(n);
+    if (index.size() >= n) return;
+    for (auto& v : vertex) v.resize(n);
+    index.resize(n);
+    for (auto* v : {&t_in, &t_out, &facing}) v->resize(n);
   }
-  void Add(const std::array<int32_t, 3>& vertices, uint32_t tile_index, uint32_t frame_id, double from,
-           double to, double drawn_facing) {
-    for (int i = 0; i < 3; ++i) vertex[i].push_back(vertices[i]);
-    index.push_back(tile_index);
-    id.push_back(frame_id);
-    t_in.push_back(from);
-    t_out.push_back(to);
-    facing.push_back(drawn_facing);
-    ++count;
-  }
-  /// Fills up to a whole vector with triangles that are never met.
+  /// Room must have been made.
+  void Add(const GroupTriangle& triangle) { Set(count++, triangle); }
+  /// Fills up the last vector with triangles that are never met.
   void Pad() {
-    while (id.size() % kPad != 0) {
-      for (auto& v : vertex) v.push_back(0);
-      index.push_back(0);
-      id.push_back(0);
-      t_in.push_back(2);
-      t_out.push_back(-1);
-      facing.push_back(0);
-    }
+    for (size_t i = count; i < Padded(count); ++i) Set(i, {});
+  }
+
+ private:
+  void Set(size_t i, const GroupTriangle& triangle) {
+    for (size_t k = 0; k < 3; ++k) vertex[k][i] = triangle.vertices[k];
+    index[i] = triangle.index;
+    t_in[i] = triangle.t_in;
+    t_out[i] = triangle.t_out;
+    facing[i] = triangle.facing;
   }
 };
 
@@ -62,8 +60,10 @@ struct PlacedTriangles {
   std::vector<float> nearest;  ///< Depth.
   std::vector<int32_t> first_lane, last_lane;
   std::vector<int32_t> least, most;  ///< Bounds along the lines, subpixels, within the lines' length.
-  std::vector<uint8_t> met;      ///< 1: meets a lane within the lines' length. By triangle.
-  std::vector<uint8_t> clipped;  ///< 1: a corner is beyond the near or the far plane.
+  /// Those that meet a lane within the lines' length, in ascending order; the others are not set up.
+  std::vector<uint32_t> met;
+  /// Those with a corner beyond the near or the far plane.
+  std::vector<uint32_t> clipped;
 
   void Resize(size_t n) {
     for (auto* v : {&row_a, &row_b, &inverse_ac, &inverse_ab, &inverse_bc, &position_a, &position_ac,
@@ -74,9 +74,6 @@ struct PlacedTriangles {
       if (v->size() < n) v->resize(n);
     }
     for (auto* v : {&first_lane, &last_lane, &least, &most}) {
-      if (v->size() < n) v->resize(n);
-    }
-    for (auto* v : {&met, &clipped}) {
       if (v->size() < n) v->resize(n);
     }
   }

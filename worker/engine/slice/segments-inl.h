@@ -45,8 +45,8 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
   alignas(64) float depth[kLanes], slope[kLanes];
   uint32_t open[kMaxLinePixels];  // By stretch: the lanes on which the triangle at hand is not hidden.
 
-  for (size_t j = first; j < triangles.count; ++j) {
-    if (placed.met[j] == 0) continue;
+  for (size_t m = first; m < placed.met.size(); ++m) {
+    const size_t j = placed.met[m];
     const int from = placed.first_lane[j];
     const int to = placed.last_lane[j];
     const uint32_t lanes = (uint32_t{2} << to) - (uint32_t{1} << from);
@@ -113,9 +113,9 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
         full |= lists[k].rows >= lists[k].compact_at;
       }
     }
-    if (full) return j + 1;
+    if (full) return m + 1;
   }
-  return triangles.count;
+  return placed.met.size();
 }
 
 }  // namespace HWY_NAMESPACE

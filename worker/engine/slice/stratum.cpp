@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/math/tolerance.h"
 #include "worker/engine/slice/near_clip.h"
@@ -11,6 +12,7 @@ namespace {
 
 /// Triangles that are cut give at most three, from five corners.
 constexpr size_t kMostCorners = 5;
+constexpr size_t kMostPieces = 3;
 
 /// The sign that the area of a triangle seen from the front has in (row, position). Raster y points down,
 /// which makes counter-clockwise triangles turn the other way, and exchanging the axes turns them again.
@@ -27,126 +29,189 @@ void Stratum::Build(const TileMesh& mesh, const LineGroup& group, std::span<cons
   group_ = &group;
   length_ = (group.major_is_x ? mesh.rect().width : mesh.rect().height) * kSubpixelsPerPixel;
 
-  // Gather triangles, and number their vertices: straight ones first.
-  triangles_.Clear();
+  // Gather triangles, and number their vertices as they come: a block then needs a run of them.
+  triangles_.count = 0;
+  triangles_.Reserve(indices.size());
   numbering_.Reset(3 * indices.size());
-  mesh_vertex_.clear();
+  slot_.clear();
+  straight_.clear();
+  curved_.clear();
+  blocks_.clear();
   if (triangle_of_.size() < mesh.triangles().size()) triangle_of_.resize(mesh.triangles().size());
+  const auto end_block = [&] {
+    if (!blocks_.empty()) {
+      blocks_.back().triangles = triangles_.count;
+      blocks_.back().straight = straight_.size();
+      blocks_.back().curved = curved_.size();
+    }
+  };
   for (const uint32_t index : indices) {
-    const TileMeshTriangle& triangle = mesh.triangles()[index];
-    if (triangle.t_in > end || triangle.t_out < begin) continue;
-    std::array<int32_t, 3> numbers;
+    const TileMeshTriangle& source = mesh.triangles()[index];
+    if (source.t_in > end || source.t_out < begin) continue;
+    if (triangles_.count % kBlock == 0) {
+      end_block();
+      blocks_.push_back({.nearest = source.nearest});
+    }
+    GroupTriangle triangle{.index = index,
+                           .t_in = source.t_in,
+                           .t_out = source.t_out,
+                           .facing = FacingOf(source, group)};
     for (size_t i = 0; i < 3; ++i) {
       bool is_new = false;
-      numbers[i] = int32_t(numbering_.NumberOf(triangle.vertices[i], is_new));
-      if (is_new) mesh_vertex_.push_back(triangle.vertices[i]);
+      const uint32_t number = numbering_.NumberOf(source.vertices[i], is_new);
+      if (is_new) {
+        const bool curved = mesh.vertices()[source.vertices[i]].curved;
+        slot_.push_back(curved ? -1 - int32_t(curved_.size()) : int32_t(straight_.size()));
+        (curved ? curved_ : straight_).push_back(source.vertices[i]);
+      }
+      triangle.vertices[i] = slot_[number];
     }
     triangle_of_[index] = uint32_t(triangles_.count);
-    triangles_.Add(numbers, index, triangle.id, triangle.t_in, triangle.t_out, FacingOf(triangle, group));
+    triangles_.Add(triangle);
   }
-  slot_.resize(mesh_vertex_.size());
-  size_t straight = 0;
-  curved_.clear();
-  for (size_t i = 0; i < mesh_vertex_.size(); ++i) {
-    if (!mesh.vertices()[mesh_vertex_[i]].curved) slot_[i] = int32_t(straight++);
+  end_block();
+  if (!blocks_.empty()) {
+    Block last = blocks_.back();
+    last.nearest = -std::numeric_limits<float>::infinity();
+    blocks_.push_back(last);
   }
-  const size_t first_curved = Padded(straight);
-  for (size_t i = 0; i < mesh_vertex_.size(); ++i) {
-    if (!mesh.vertices()[mesh_vertex_[i]].curved) continue;
-    slot_[i] = int32_t(first_curved + curved_.size());
-    curved_.push_back(mesh_vertex_[i]);
+
+  // Curved vertices come after the straight ones.
+  const size_t first_curved = Padded(straight_.size());
+  if (!curved_.empty()) {
+    for (auto& corner : triangles_.vertex) {
+      for (size_t j = 0; j < triangles_.count; ++j) {
+        if (corner[j] < 0) corner[j] = int32_t(first_curved) - 1 - corner[j];
+      }
+    }
   }
-  vertices_.linear = straight;
-  vertices_.count = straight + curved_.size();
+  triangles_.Pad();
   const size_t size = first_curved + Padded(curved_.size());
-  for (size_t k = 0; k < 4; ++k) {
-    if (k >= 2 && curved_.empty()) break;
+  vertices_.linear = straight_.size();
+  vertices_.count = straight_.size() + curved_.size();
+  for (size_t k = 0; k < (curved_.empty() ? 2u : 4u); ++k) {
     for (auto& coordinate : vertices_.power[k]) {
       if (coordinate.size() < size) coordinate.resize(size);
     }
   }
   vertices_.time_scale.assign(Padded(curved_.size()), 0);
   vertices_.time_offset.assign(Padded(curved_.size()), 0);
-  for (size_t i = 0; i < mesh_vertex_.size(); ++i) {
-    const TileVertex& vertex = mesh.vertices()[mesh_vertex_[i]];
-    if (!vertex.curved) LoadVertex(size_t(slot_[i]), vertex, 0, false);
-  }
+  for (size_t i = 0; i < straight_.size(); ++i) LoadStraight(i, mesh.vertices()[straight_[i]]);
   next_piece_at_ = curved_.empty() ? 2 : -1;
-  for (auto& corner : triangles_.vertex) {
-    for (int32_t& v : corner) v = slot_[size_t(v)];
-  }
-  triangles_.Pad();
   placed_.Resize(Padded(triangles_.count));
   if (placed_vertices_.size() < size + kPad) placed_vertices_.Resize(size + kPad);
 }
 
-void Stratum::LoadVertex(size_t at, const TileVertex& vertex, double t, bool curved) {
-  const TileMesh::Power power = mesh_->PowerAt(vertex, t);
-  for (size_t k = 0; k < (curved ? 4u : 2u); ++k) {
-    const RasterPoint& p = power.coefficients[k];
+void Stratum::LoadStraight(size_t at, const TileVertex& vertex) {
+  const auto load = [&](size_t k, const RasterPoint& p) {
     const double major = group_->major_is_x ? p.x : p.y;
     const double minor = group_->major_is_x ? p.y : p.x;
-    vertices_.power[k][0][at] = minor - group_->slope * major - group_->intercept * p.w;
-    vertices_.power[k][1][at] = major;
-    vertices_.power[k][2][at] = p.z;
-    vertices_.power[k][3][at] = p.w;
-  }
-  if (!curved) return;
-  vertices_.time_scale[at - Padded(vertices_.linear)] = power.time_scale;
-  vertices_.time_offset[at - Padded(vertices_.linear)] = power.time_offset;
+    auto& power = vertices_.power[k];
+    power[0][at] = minor - group_->slope * major - group_->intercept * p.w;
+    power[1][at] = major;
+    power[2][at] = p.z;
+    power[3][at] = p.w;
+  };
+  load(0, vertex.open);
+  load(1, vertex.close - vertex.open);
 }
 
-void Stratum::LoadPieces(double t) {
+void Stratum::LoadPieces() {
   const size_t first = Padded(vertices_.linear);
   next_piece_at_ = 2;
   for (size_t i = 0; i < curved_.size(); ++i) {
     const TileVertex& vertex = mesh_->vertices()[curved_[i]];
-    LoadVertex(first + i, vertex, t, true);
+    const TileMesh::Power power = mesh_->PowerAt(vertex, t_);
+    for (size_t k = 0; k < 4; ++k) {
+      const RasterPoint& p = power.coefficients[k];
+      const double major = group_->major_is_x ? p.x : p.y;
+      const double minor = group_->major_is_x ? p.y : p.x;
+      vertices_.power[k][0][first + i] = minor - group_->slope * major - group_->intercept * p.w;
+      vertices_.power[k][1][first + i] = major;
+      vertices_.power[k][2][first + i] = p.z;
+      vertices_.power[k][3][first + i] = p.w;
+    }
+    vertices_.time_scale[i] = power.time_scale;
+    vertices_.time_offset[i] = power.time_offset;
     const FramePrimitive& primitive = mesh_->frame().primitives[vertex.primitive];
-    next_piece_at_ = std::min(next_piece_at_, (primitive.PositionAt(t).piece + 1.0) / primitive.pieces);
+    next_piece_at_ = std::min(next_piece_at_, (primitive.PositionAt(t_).piece + 1.0) / primitive.pieces);
   }
 }
 
-void Stratum::Place(double t) {
-  if (t >= next_piece_at_) LoadPieces(t);
-  PlaceVertices(vertices_, t, mesh_->far_depth(), placed_vertices_);
-  PlaceTriangles(triangles_, placed_vertices_, t, group_->lanes, length_, placed_);
-  ClipTriangles(t);
+void Stratum::BeginInstant(double t) {
+  t_ = t;
+  next_block_ = 0;
+  if (t >= next_piece_at_) LoadPieces();
 }
 
-void Stratum::ClipTriangles(double t) {
-  clipped_.Clear();
-  size_t corners = Padded(vertices_.linear) + Padded(curved_.size());
-  const size_t first_corner = corners;
-  for (size_t j = 0; j < triangles_.count; ++j) {
-    if (placed_.clipped[j] == 0) continue;
-    std::array<LineCorner, 3> corner;
-    for (size_t i = 0; i < 3; ++i) {
-      for (size_t c = 0; c < 4; ++c) {
-        corner[i][c] = placed_vertices_.homogeneous[c][size_t(triangles_.vertex[i][j])];
-      }
+bool Stratum::PlaceNextBlock() {
+  if (next_block_ + 1 >= blocks_.size()) return false;
+  const Block from = next_block_ == 0 ? Block{} : blocks_[next_block_ - 1];
+  const Block& to = blocks_[next_block_++];
+  const double far_depth = mesh_->far_depth();
+  // Whole vectors: a few are placed twice.
+  const size_t straight = from.straight / kPad * kPad;
+  PlaceVertices(vertices_, straight, to.straight, false, t_, far_depth, placed_vertices_);
+  if (to.curved > from.curved) {
+    const size_t first = Padded(vertices_.linear);
+    PlaceVertices(vertices_, first + from.curved / kPad * kPad, first + to.curved, true, t_, far_depth,
+                  placed_vertices_);
+  }
+  PlaceTriangles(triangles_, from.triangles, to.triangles, placed_vertices_, t_, group_->lanes, length_,
+                 placed_);
+  clipped_.count = 0;
+  if (!placed_.clipped.empty()) ClipTriangles();
+  return true;
+}
+
+std::array<double, kLineCoordinates> Stratum::HomogeneousAt(size_t at) const {
+  // The operations of PlaceVertices.
+  const auto& power = vertices_.power;
+  std::array<double, kLineCoordinates> value;
+  const size_t first_curved = Padded(vertices_.linear);
+  for (size_t c = 0; c < kLineCoordinates; ++c) {
+    if (at < first_curved) {
+      value[c] = power[0][c][at] + t_ * power[1][c][at];
+      continue;
     }
+    const size_t k = at - first_curved;
+    const double tau = t_ * vertices_.time_scale[k] + vertices_.time_offset[k];
+    value[c] = power[3][c][at];
+    for (size_t p = 3; p-- > 0;) value[c] = power[p][c][at] + tau * value[c];
+  }
+  return value;
+}
+
+void Stratum::ClipTriangles() {
+  size_t corners = Padded(vertices_.linear) + Padded(curved_.size());
+  clipped_.Reserve(kMostPieces * placed_.clipped.size());
+  for (const uint32_t j : placed_.clipped) {
+    std::array<LineCorner, 3> corner;
+    for (size_t i = 0; i < 3; ++i) corner[i] = HomogeneousAt(size_t(triangles_.vertex[i][j]));
     const ClippedPolygon polygon = ClipTriangle(corner, mesh_->far_depth());
     if (polygon.count < 3) continue;
-    if (placed_vertices_.size() < corners + kMostCorners + kPad) {
-      placed_vertices_.Resize(2 * (corners + kMostCorners + kPad));
+    if (placed_vertices_.size() < corners + kMostCorners) {
+      placed_vertices_.Resize(2 * (corners + kMostCorners));
     }
-    for (int i = 0; i < polygon.count; ++i) {
-      for (size_t c = 0; c < 4; ++c) {
-        placed_vertices_.homogeneous[c][corners + size_t(i)] = polygon.corners[size_t(i)][c];
-      }
+    for (size_t i = 0; i < size_t(polygon.count); ++i) {
+      // The operations of PlaceVertices.
+      const double inverse = 1 / polygon.corners[i][3];
+      placed_vertices_.row[corners + i] = polygon.corners[i][0] * inverse;
+      placed_vertices_.position[corners + i] = polygon.corners[i][1] * inverse * double{kSubpixelsPerPixel};
+      placed_vertices_.depth[corners + i] = polygon.corners[i][2] * inverse;
     }
     for (int i = 2; i < polygon.count; ++i) {
-      clipped_.Add({int32_t(corners), int32_t(corners) + i - 1, int32_t(corners) + i}, triangles_.index[j],
-                   triangles_.id[j], triangles_.t_in[j], triangles_.t_out[j], triangles_.facing[j]);
+      clipped_.Add({.vertices = {int32_t(corners), int32_t(corners) + i - 1, int32_t(corners) + i},
+                    .index = triangles_.index[j],
+                    .t_in = triangles_.t_in[j],
+                    .t_out = triangles_.t_out[j],
+                    .facing = triangles_.facing[j]});
     }
     corners += size_t(polygon.count);
   }
-  if (clipped_.count == 0) return;
   clipped_.Pad();
   clipped_placed_.Resize(Padded(clipped_.count));
-  ProjectVertices(first_corner, corners, placed_vertices_);
-  PlaceTriangles(clipped_, placed_vertices_, t, group_->lanes, length_, clipped_placed_);
+  PlaceTriangles(clipped_, 0, clipped_.count, placed_vertices_, t_, group_->lanes, length_, clipped_placed_);
 }
 
 LinePosition Stratum::PositionOn(uint32_t index, int lane) const {
@@ -155,9 +220,8 @@ LinePosition Stratum::PositionOn(uint32_t index, int lane) const {
   // jk, and over the determinant it is the barycentric coordinate of corner i over w.
   std::array<V3d, 3> corner;
   for (size_t i = 0; i < 3; ++i) {
-    const auto v = size_t(triangles_.vertex[i][j]);
-    corner[i] = {placed_vertices_.homogeneous[0][v], placed_vertices_.homogeneous[1][v],
-                 placed_vertices_.homogeneous[3][v]};
+    const auto at = HomogeneousAt(size_t(triangles_.vertex[i][j]));
+    corner[i] = {at[0], at[1], at[3]};
   }
   const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
                                 corner[0].cross(corner[1])};

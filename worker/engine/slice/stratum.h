@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,12 +22,18 @@ class Stratum {
 
   bool empty() const { return triangles_.count == 0; }
 
-  /// Places everything at shutter time t, which lies within the stratum; instants come in ascending order.
-  void Place(double t);
+  /// Moves on to shutter time t, which lies within the stratum; instants come in ascending order.
+  void BeginInstant(double t);
+
+  /// The triangles are placed block by block, nearest first. False if there is no further one.
+  bool PlaceNextBlock();
+  /// Bound on the depth of all triangles that have not been placed yet.
+  float nearest_left() const { return blocks_[next_block_].nearest; }
 
   const GroupTriangles& triangles() const { return triangles_; }
+  /// The block placed last.
   const PlacedTriangles& placed() const { return placed_; }
-  /// What is left, at this instant, of triangles that cross the near or the far plane; in front of all others.
+  /// What is left, at this instant, of the block's triangles that cross the near or the far plane.
   const GroupTriangles& clipped_triangles() const { return clipped_; }
   const PlacedTriangles& clipped_placed() const { return clipped_placed_; }
 
@@ -34,18 +41,33 @@ class Stratum {
   LinePosition PositionOn(uint32_t index, int lane) const;
 
  private:
-  void LoadVertex(size_t at, const TileVertex& vertex, double t, bool curved);
-  void LoadPieces(double t);
-  void ClipTriangles(double t);
+  /// Triangles that are placed at once: some vectors' worth, and few enough that little is placed in vain.
+  static constexpr size_t kBlock = 128;
+
+  /// The end of a block in the arrays of triangles and of vertices, straight and curved.
+  struct Block {
+    size_t triangles = 0, straight = 0, curved = 0;
+    float nearest = 0;  // Of the block's first triangle.
+  };
+
+  void LoadStraight(size_t at, const TileVertex& vertex);
+  void LoadPieces();
+  void ClipTriangles();
+  /// A vertex at the instant, in homogeneous line coordinates.
+  std::array<double, kLineCoordinates> HomogeneousAt(size_t at) const;
 
   const TileMesh* mesh_ = nullptr;
   const LineGroup* group_ = nullptr;
   int32_t length_ = 0;  // Of the lines, subpixels.
 
+  double t_ = 0;
+  size_t next_block_ = 0;
+  std::vector<Block> blocks_;  // And one more, which ends where the last does.
+
   VertexNumbering numbering_;
-  std::vector<uint32_t> mesh_vertex_;  // By number within the stratum.
-  std::vector<int32_t> slot_;          // By number within the stratum: place in the arrays.
-  std::vector<uint32_t> curved_;       // Mesh vertices on curved paths, in the order of their slots.
+  std::vector<int32_t> slot_;          // By number: place in the arrays; curved ones as -1 - number of those.
+  std::vector<uint32_t> straight_;     // Mesh vertices in the order of their slots.
+  std::vector<uint32_t> curved_;       // The same for those on curved paths.
   double next_piece_at_ = 0;           // From there on, curved vertices must be loaded anew.
   std::vector<uint32_t> triangle_of_;  // By index in the mesh; valid for those in the stratum.
 
