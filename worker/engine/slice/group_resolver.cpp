@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <cstdlib>
 
 #include "worker/engine/slice/kernels.h"
 
@@ -18,8 +17,7 @@ constexpr uint32_t kAllLanes = (uint32_t{1} << kLanes) - 1;
 constexpr double kPixelsPerStratum = 32;
 constexpr int64_t kLeastPerStratum = 4;
 /// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
-const double kSegmentsPerStretch = getenv("SPS") ? atof(getenv("SPS")) : 8;
-const int kFB = getenv("FB") ? atoi(getenv("FB")) : 8;
+constexpr double kSegmentsPerStretch = 12;
 
 }  // namespace
 
@@ -99,7 +97,7 @@ void GroupResolver::ChooseStretches() {
 void GroupResolver::ResolveStatic() {
   for (int k = 0; k < stretches_; ++k) {
     lists_[size_t(k)].Clear();
-    lists_[size_t(k)].compact_at = kFB;
+    lists_[size_t(k)].compact_at = kFirstBatch;
     static_lists_[size_t(k)].Clear();
     HiddenBelow& hidden = hidden_below_[size_t(k)];
     for (size_t lane = 0; lane < kLanes; ++lane) {
@@ -164,7 +162,7 @@ void GroupResolver::ResolveInstant(double t) {
       holds_static_[size_t(k)] = true;
     }
     lists.Truncate(static_lists_[size_t(k)].rows);
-    lists.compact_at = std::max(lists.rows + kFB, 2 * lists.rows);
+    lists.compact_at = std::max(lists.rows + kFirstBatch, 2 * lists.rows);
     hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)];
   }
   FillLists(moving_stratum_);
@@ -234,7 +232,7 @@ void GroupResolver::Compact(int stretch) {
     }
   }
   // Doubling keeps the work of all compactions within a constant factor of the last one.
-  compacted_.compact_at = std::max(compacted_.rows + kFB, 2 * compacted_.rows);
+  compacted_.compact_at = std::max(compacted_.rows + kFirstBatch, 2 * compacted_.rows);
   compacted_.stretch_begin = lists.stretch_begin;
   compacted_.stretch_end = lists.stretch_end;
   compacted_.touched = lists.touched;
