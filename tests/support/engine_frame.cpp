@@ -10,11 +10,11 @@
 #include "tests/scenes/scene_generators.h"
 #include "tests/support/render_tiles.h"
 #include "worker/engine/accel/bvh.h"
+#include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/memory_asset_source.h"
-#include "worker/engine/render/make_resolver.h"
 #include "worker/engine/visibility/resolver.h"
 #include "worker/engine/visibility/tile_triangles.h"
 

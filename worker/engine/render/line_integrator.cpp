@@ -143,8 +143,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         b += double(c.weight) * double(c.color.z);
       }
       const auto total = double(weights.total());
-      const size_t pixel =
-          size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
+      const size_t pixel = size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
       rgba[4 * pixel + 0] = float(r / total);
       rgba[4 * pixel + 1] = float(g / total);
       rgba[4 * pixel + 2] = float(b / total);

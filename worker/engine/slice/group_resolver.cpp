@@ -252,7 +252,8 @@ void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const V
       const int32_t end = pieces != nullptr ? pieces->end[at] : lists.end[at];
       if (begin >= end) continue;
       const int32_t entry = pieces != nullptr ? pieces->entry[at] : r;
-      AddPiece(lane, begin, end, lists.index[size_t(entry) * kLanes + size_t(lane)], t, weights[size_t(lane)]);
+      AddPiece(lane, begin, end, lists.index[size_t(entry) * kLanes + size_t(lane)], t,
+               weights[size_t(lane)]);
     }
     sums_->EndLane();
   }

@@ -34,11 +34,14 @@ size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& plac
   return HWY_DYNAMIC_DISPATCH(MakeSegmentsKernel)(triangles, placed, first, group, stretches, made);
 }
 
-void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active, VisiblePieces& pieces) {
+void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active,
+           VisiblePieces& pieces) {
   HWY_DYNAMIC_DISPATCH(MarchKernel)(lists, ids, group, active, pieces);
 }
 
-const char* KernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+const char* KernelTarget() {
+  return HWY_DYNAMIC_DISPATCH(TargetName)();
+}
 
 }  // namespace shutterline::engine
 #endif

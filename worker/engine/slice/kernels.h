@@ -41,7 +41,8 @@ size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& plac
 /// Exact visibility along all lanes of a stretch in lockstep: the upper envelope of each lane's segments.
 /// See docs/math/line_samples.md. `active` has a bit for each lane that is wanted;
 /// `ids` are the frame's numbers of the tile's triangles: of two at equal depth the lower hides the other.
-void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active, VisiblePieces& pieces);
+void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active,
+           VisiblePieces& pieces);
 
 /// The name of the instruction set that is used.
 const char* KernelTarget();

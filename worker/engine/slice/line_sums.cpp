@@ -84,8 +84,7 @@ void LineSums::FlushApart(int lane, int64_t weight_of_instant) {
         Share& share = shares_[size_t(step)];
         share.weight += weight;
         for (size_t c = 0; c < 3; ++c) {
-          share.position[c] +=
-              double(weight) * (piece.position.at[c] + piece.position.per_pixel[c] * middle);
+          share.position[c] += double(weight) * (piece.position.at[c] + piece.position.per_pixel[c] * middle);
         }
       }
     }

@@ -102,7 +102,8 @@ class Marcher {
     const Floats df;
     const auto at = AddressOf(entry);
     Segment s{hn::GatherIndex(di, lists_.begin.data(), at), hn::GatherIndex(di, lists_.end.data(), at),
-              hn::GatherIndex(df, lists_.depth.data(), at), hn::GatherIndex(df, lists_.slope.data(), at), entry};
+              hn::GatherIndex(df, lists_.depth.data(), at), hn::GatherIndex(df, lists_.slope.data(), at),
+              entry};
     s.begin = hn::IfThenElse(finished, x, s.begin);
     s.end = hn::IfThenElse(finished, x, s.end);
     s.depth = hn::IfThenElse(F(finished), hn::Set(df, -std::numeric_limits<float>::infinity()), s.depth);
@@ -164,15 +165,14 @@ class Marcher {
     const auto current_begin = DepthAt(current.depth, current.slope, current.begin, b);
     const auto within = hn::And(hn::Lt(b, change.at), hn::Gt(e, x));
     const auto in_front = hn::And(hn::And(within, begins), I(hn::Gt(depth, current_begin)));
-    const auto overtakes =
-        hn::AndNot(in_front, hn::And(within, I(hn::And(hn::Gt(slope, current.slope),
-                                                       hn::Gt(depth_probe, current_probe)))));
+    const auto overtakes = hn::AndNot(
+        in_front,
+        hn::And(within, I(hn::And(hn::Gt(slope, current.slope), hn::Gt(depth_probe, current_probe)))));
     // Rare: comes in front at the same place as another, overtakes, or lies at the very same depth.
     const auto rare = hn::Or(
-        overtakes,
-        hn::And(begins, hn::Or(hn::And(hn::Eq(b, change.at), AtLeast(change.entry, hn::Zero(di))),
-                               hn::And(within, I(hn::And(hn::Eq(depth, current_begin),
-                                                         hn::Eq(slope, current.slope)))))));
+        overtakes, hn::And(begins, hn::Or(hn::And(hn::Eq(b, change.at), AtLeast(change.entry, hn::Zero(di))),
+                                          hn::And(within, I(hn::And(hn::Eq(depth, current_begin),
+                                                                    hn::Eq(slope, current.slope)))))));
     change.at = hn::IfThenElse(in_front, b, change.at);
     change.entry = hn::IfThenElse(in_front, entry, change.entry);
     if (!hn::AllFalse(di, rare)) Rare(r, x, end, current, overtakes, b, e, depth, slope, change);
@@ -186,8 +186,8 @@ class Marcher {
     // Where it overtakes: both are linear from where both are there. At least one subpixel on, so that the
     // march cannot stand still.
     const auto from = hn::Max(b, x);
-    const auto lead = hn::Sub(DepthAt(current.depth, current.slope, current.begin, from),
-                              DepthAt(depth, slope, b, from));
+    const auto lead =
+        hn::Sub(DepthAt(current.depth, current.slope, current.begin, from), DepthAt(depth, slope, b, from));
     const auto run = hn::Div(lead, hn::Sub(slope, current.slope));
     const auto longest = hn::Set(df, float(SegmentLists::kNeverBegins));
     const auto steps = hn::ConvertTo(di, hn::Ceil(hn::Min(hn::Max(run, hn::Zero(df)), longest)));
@@ -206,9 +206,8 @@ class Marcher {
     const auto rival = Fetch(change.entry, x, hn::Lt(change.entry, hn::Zero(di)));
     const auto depth_here = DepthAt(depth, slope, b, at);
     const auto depth_rival = DepthAt(rival.depth, rival.slope, rival.begin, at);
-    const auto nearer =
-        hn::Or(I(hn::Gt(depth_here, depth_rival)),
-               hn::And(I(hn::Eq(depth_here, depth_rival)), WinsTie(r, slope, change.entry)));
+    const auto nearer = hn::Or(I(hn::Gt(depth_here, depth_rival)),
+                               hn::And(I(hn::Eq(depth_here, depth_rival)), WinsTie(r, slope, change.entry)));
     better = hn::Or(better, hn::And(same, nearer));
     change.at = hn::IfThenElse(better, at, change.at);
     change.entry = hn::IfThenElse(better, hn::Set(di, r), change.entry);
@@ -220,8 +219,8 @@ class Marcher {
   IntsV lane_;
 };
 
-inline void MarchKernel(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active,
-                        VisiblePieces& pieces) {
+inline void MarchKernel(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group,
+                        uint32_t active, VisiblePieces& pieces) {
   const Marcher::Ints di;
   const int n = int(hn::Lanes(di));
   int32_t rows = 0;

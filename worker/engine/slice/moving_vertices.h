@@ -10,7 +10,9 @@ namespace shutterline::engine {
 /// Arrays of the kernels are padded to a multiple of this many elements, so that they read and write whole
 /// vectors.
 inline constexpr size_t kPad = 16;
-inline constexpr size_t Padded(size_t n) { return (n + kPad - 1) / kPad * kPad; }
+inline constexpr size_t Padded(size_t n) {
+  return (n + kPad - 1) / kPad * kPad;
+}
 
 /// The homogeneous line coordinates of a vertex: row · w, position · w (pixels), depth · w, w.
 inline constexpr int kLineCoordinates = 4;

@@ -35,9 +35,11 @@ ClippedPolygon Clip(const ClippedPolygon& polygon, const Inside& inside, bool at
 ClippedPolygon ClipTriangle(const std::array<LineCorner, 3>& corners, double far_depth) {
   ClippedPolygon polygon{.count = 3};
   std::copy(corners.begin(), corners.end(), polygon.corners.begin());
-  polygon = Clip(polygon, [](const LineCorner& c) { return c[3] - c[2]; }, true);
+  polygon = Clip(
+      polygon, [](const LineCorner& c) { return c[3] - c[2]; }, true);
   if (polygon.count < 3) return polygon;
-  return Clip(polygon, [far_depth](const LineCorner& c) { return c[2] - far_depth * c[3]; }, false);
+  return Clip(
+      polygon, [far_depth](const LineCorner& c) { return c[2] - far_depth * c[3]; }, false);
 }
 
 }  // namespace shutterline::engine

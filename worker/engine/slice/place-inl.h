@@ -122,8 +122,8 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
     const auto last = hn::Min(last_lane, hn::Floor(row[2]));
     const auto least = hn::Min(position[0], hn::Min(position[1], position[2]));
     const auto most = hn::Max(position[0], hn::Max(position[1], position[2]));
-    const auto meets = hn::And(hn::AndNot(away, hn::Le(first, last)),
-                               hn::And(hn::Gt(most, zero), hn::Lt(least, line_end)));
+    const auto meets =
+        hn::And(hn::AndNot(away, hn::Le(first, last)), hn::And(hn::Gt(most, zero), hn::Lt(least, line_end)));
     const auto all = hn::And(meets, usable);
 
     AppendSet(d, to_clip, uint32_t(i), out.clipped);
@@ -157,7 +157,9 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
   }
 }
 
-inline const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+inline const char* TargetName() {
+  return hwy::TargetName(HWY_TARGET);
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace shutterline::engine

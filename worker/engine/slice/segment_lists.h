@@ -24,7 +24,7 @@ struct SegmentLists {
   int32_t stretch_begin = 0, stretch_end = 0;
   int32_t rows = 0;        ///< The longest list.
   int32_t compact_at = 0;  ///< When `rows` reaches this, what is hidden should be dropped.
-  uint32_t touched = 0;  ///< A bit for each lane that something has been appended to since Clear.
+  uint32_t touched = 0;    ///< A bit for each lane that something has been appended to since Clear.
   std::array<int32_t, kLanes> count{};
   std::vector<int32_t> begin, end;
   std::vector<float> depth, slope;

@@ -66,13 +66,12 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
       const auto u = hn::Mul(hn::Sub(lane, hn::Set(d, placed.row_a[j])), hn::Set(d, placed.inverse_ac[j]));
       const auto long_position =
           hn::Add(hn::Set(d, placed.position_a[j]), hn::Mul(u, hn::Set(d, placed.position_ac[j])));
-      const auto long_depth = hn::Add(hn::Set(d, double(placed.depth_a[j])),
-                                      hn::Mul(u, hn::Set(d, double(placed.depth_ac[j]))));
+      const auto long_depth =
+          hn::Add(hn::Set(d, double(placed.depth_a[j])), hn::Mul(u, hn::Set(d, double(placed.depth_ac[j]))));
       const auto row_b = hn::Set(d, placed.row_b[j]);
       const auto upper = hn::Gt(lane, row_b);
-      const auto pick = [&](double above, double below) HWY_ATTR {
-        return hn::IfThenElse(upper, hn::Set(d, above), hn::Set(d, below));
-      };
+      const auto pick = [&](double above, double below)
+                            HWY_ATTR { return hn::IfThenElse(upper, hn::Set(d, above), hn::Set(d, below)); };
       const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, row_b, hn::Set(d, placed.row_a[j]))),
                              pick(placed.inverse_bc[j], placed.inverse_ab[j]));
       const auto short_position = hn::Add(pick(placed.position_b[j], placed.position_a[j]),

@@ -52,10 +52,8 @@ void Stratum::Build(const TileMesh& mesh, const LineGroup& group, std::span<cons
       end_block();
       blocks_.push_back({.nearest = source.nearest});
     }
-    GroupTriangle triangle{.index = index,
-                           .t_in = source.t_in,
-                           .t_out = source.t_out,
-                           .facing = FacingOf(source, group)};
+    GroupTriangle triangle{
+        .index = index, .t_in = source.t_in, .t_out = source.t_out, .facing = FacingOf(source, group)};
     for (size_t i = 0; i < 3; ++i) {
       bool is_new = false;
       const uint32_t number = numbering_.NumberOf(source.vertices[i], is_new);

@@ -60,7 +60,8 @@ float RoundedDown(double x) {
 
 }  // namespace
 
-TileVertex TileMesh::MakeVertex(uint32_t number, uint32_t primitive_number, const LinePattern& pattern) const {
+TileVertex TileMesh::MakeVertex(uint32_t number, uint32_t primitive_number,
+                                const LinePattern& pattern) const {
   const FramePrimitive& primitive = frame_->primitives[primitive_number];
   const RasterPoint* points = frame_->ControlPoints(primitive, number);
   const int count = primitive.PointsPerVertex();
