@@ -1,0 +1,86 @@
+// The kernels give the same bits on every instruction set.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/support/random_soup.h"
+#include "tests/support/resolved_tile.h"
+#include "worker/engine/slice/kernels.h"
+#include "worker/engine/slice/resolver_slice.h"
+
+namespace shutterline::engine {
+namespace {
+
+/// Everything that a resolver says of a tile.
+struct Result {
+  std::map<std::tuple<int64_t, uint32_t, uint16_t>, std::tuple<uint64_t, double, double>> pairs;
+  std::vector<std::array<double, 4>> flat;
+  friend bool operator==(const Result&, const Result&) = default;
+};
+
+Result ResolveSoup(uint64_t seed, bool curved) {
+  const auto frame = RandomSoup(seed, 150, curved);
+  std::vector<PrimitiveTraits> traits;
+  for (const FramePrimitive& primitive : frame->primitives) {
+    traits.push_back({.cull_back = !primitive.material->double_sided,
+                      .needs_position = !primitive.source->colors.empty()});
+  }
+  std::vector<uint32_t> candidates(frame->triangles.size());
+  std::iota(candidates.begin(), candidates.end(), 0u);
+  PairWeights weights;
+  FlatFilm flat([](uint32_t triangle) { return V3f(1.0f / float(triangle + 1), 0.5f, 0.25f); });
+  RenderStats stats;
+  ResolverSlice(LineSettings(PatternKind::kRgls, 16))
+      .Resolve({*frame, traits, {0, 0, 32, 32}, candidates}, weights, &flat, stats);
+  Result result;
+  for (int64_t pixel = 0; pixel < 32 * 32; ++pixel) {
+    weights.ForEach(pixel, [&](const PixelPair& pair) {
+      result.pairs[{pixel, pair.triangle, pair.bin}] = {pair.weight, pair.b1, pair.b2};
+    });
+    result.flat.push_back(flat.At(pixel));
+  }
+  return result;
+}
+
+/// Lets kernels run on one instruction set only, until it goes out of scope.
+class OnlyTarget {
+ public:
+  explicit OnlyTarget(int64_t target) { Choose(target); }
+  ~OnlyTarget() { Choose(0); }
+  OnlyTarget(const OnlyTarget&) = delete;
+  OnlyTarget& operator=(const OnlyTarget&) = delete;
+
+ private:
+  static void Choose(int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+};
+
+TEST(Targets, AllGiveTheSameBits) {
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Result best = ResolveSoup(seed, seed % 2 == 0);
+    ASSERT_FALSE(best.pairs.empty());
+    std::set<std::string> seen{KernelTarget()};
+    const int64_t supported = hwy::SupportedTargets();
+    for (int bit = 0; bit < 63; ++bit) {
+      const int64_t target = int64_t{1} << bit;
+      if ((supported & target) == 0) continue;
+      const OnlyTarget only(target);
+      seen.insert(KernelTarget());
+      EXPECT_TRUE(ResolveSoup(seed, seed % 2 == 0) == best) << KernelTarget();
+    }
+    // At least the machine's own and an older one have been compared.
+    EXPECT_GE(seen.size(), 2u);
+  }
+}
+
+}  // namespace
+}  // namespace shutterline::engine
