@@ -42,19 +42,31 @@ Contender Slice(bool quick) {
   return slice;
 }
 
+/// Settings that come with a method which this build may not have.
+template <typename Settings>
+void SetTimeCells(Settings& settings, int cells) {
+  if constexpr (requires { settings.time_cells; }) settings.time_cells = cells;
+}
+
 std::optional<Contender> Paper() {
   const auto kind = ParseResolver("paper");
   if (!kind) return std::nullopt;
   Contender paper{
       .name = "line/paper", .color = PlotColors()[3], .ours = true, .random = false, .ladder = {}};
-  for (const PatternKind pattern : {PatternKind::k1h1v, PatternKind::kRgls}) {
-    paper.ladder.push_back({std::string(ToString(pattern)), [=](RenderSettings& s) {
+  for (const auto& [pattern, cells] : {std::pair(PatternKind::k1h1v, 1),
+                                       {PatternKind::k1h1v, 4},
+                                       {PatternKind::kRgls, 1},
+                                       {PatternKind::kRgls, 4},
+                                       {PatternKind::kRgls, 16}}) {
+    paper.ladder.push_back({absl::StrCat(std::string(ToString(pattern)), ", ", cells, " time cells"),
+                            [=, pattern = pattern, cells = cells](RenderSettings& s) {
                               s.integrator = IntegratorKind::kLine;
                               s.resolver = *kind;
                               s.pattern = pattern;
+                              SetTimeCells(s, cells);
                             }});
   }
-  paper.default_rung = 1;
+  paper.default_rung = 3;
   return paper;
 }
 

@@ -27,10 +27,10 @@ struct ReportOptions {
   int side = 0;  ///< One tile of every square of so many a side is measured; 0: the part's own.
   int spp = 0;   ///< Of references, both halves together; 0: the part's own.
 
-  int Side() const { return side > 0 ? side : quick ? 8 : 4; }
+  int Side() const { return side > 0 ? side : quick ? 8 : 5; }
   int Spp() const { return spp > 0 ? spp : quick ? 1024 : 4096; }
   /// A ladder is climbed no further once a run over the subset has taken this many seconds.
-  double LongestRun() const { return quick ? 1.0 : 4.0; }
+  double LongestRun() const { return quick ? 1.0 : 3.0; }
 };
 
 /// One setting of one method on one scene.

@@ -47,7 +47,7 @@ absl::StatusOr<ErrorSplit> Split(const RunRow& row, const Image& picture, const 
                                  const BenchScene& scene, const TileSubset& subset,
                                  const ReferenceHalves& reference, const ReportOptions& options) {
   SL_ASSIGN_OR_RETURN(const LineReference lines,
-                      RenderLineReference(probe, scene.frame, row.settings, subset, options.Spp() / 2,
+                      RenderLineReference(probe, scene.frame, row.settings, subset, options.Spp() / 4,
                                           options.threads, {options.cache}));
   ErrorSplit split{.total = row.errors.whole, .space = {}, .shade = {}, .rest = {}};
   SL_ASSIGN_OR_RETURN(split.rest, MeasureUnbiasedError(picture, lines.cached.a, lines.cached.b));
@@ -94,6 +94,7 @@ absl::StatusOr<SceneResult> RunScene(const BenchScene& scene, const std::vector<
   std::printf("%-16s %lld triangles, reference of %d points a pixel in %.1f s, noise %.5f\n",
               scene.name.c_str(), static_cast<long long>(result.triangles), result.reference.spp,
               result.reference_seconds, result.reference.noise);
+  std::fflush(stdout);
 
   for (const Contender& contender : contenders) {
     for (int i = 0; i < int(contender.ladder.size()); ++i) {
