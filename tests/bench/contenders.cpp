@@ -48,6 +48,18 @@ void SetTimeCells(Settings& settings, int cells) {
   if constexpr (requires { settings.time_cells; }) settings.time_cells = cells;
 }
 
+/// Rays at instants that all pixels share, a static hierarchy for each; false where there are none.
+template <typename Settings>
+bool ShareInstants(Settings& settings) {
+  if constexpr (requires { settings.reference_layout; }) {
+    using Layout = decltype(settings.reference_layout);
+    settings.reference_layout = Layout::kSharedInstants;
+    return true;
+  } else {
+    return false;
+  }
+}
+
 std::optional<Contender> Paper() {
   const auto kind = ParseResolver("paper");
   if (!kind) return std::nullopt;
@@ -84,6 +96,21 @@ std::optional<Contender> Points(const std::string& integrator, const std::string
   return points;
 }
 
+/// The ray caster at its best layout for wide motion.
+std::optional<Contender> SharedInstants(bool quick) {
+  RenderSettings probe;
+  std::optional<Contender> points = Points("reference", PlotColors()[5], quick);
+  if (!points || !ShareInstants(probe)) return std::nullopt;
+  points->name = "reference, shared instants";
+  for (Rung& rung : points->ladder) {
+    rung.apply = [inner = rung.apply](RenderSettings& s) {
+      inner(s);
+      ShareInstants(s);
+    };
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<Contender> AllContenders(bool quick) {
@@ -91,6 +118,7 @@ std::vector<Contender> AllContenders(bool quick) {
   if (auto paper = Paper()) all.push_back(*std::move(paper));
   if (auto points = Points("stochastic", PlotColors()[2], quick)) all.push_back(*std::move(points));
   if (auto points = Points("reference", PlotColors()[1], quick)) all.push_back(*std::move(points));
+  if (auto points = SharedInstants(quick)) all.push_back(*std::move(points));
   return all;
 }
 
