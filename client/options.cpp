@@ -128,9 +128,16 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
   auto* seed =
       AddValue(app, "--seed", "N", "0", "reference, stochastic: pictures of different seeds are\nindependent",
                [&](const std::string& t) { return Store(ParseUnsigned(t), s.seed); });
+  auto* layout = AddValue(app, "--reference-layout", "motion-bvh|shared-instants", "motion-bvh",
+                          "reference: a time of its own for each ray, or instants\nthat all pixels share: "
+                          "faster, few of them show",
+                          [&](const std::string& t) {
+                            return StoreWord(ParseReferenceLayout(t), s.reference_layout,
+                                             "motion-bvh or shared-instants");
+                          });
   time_step->excludes(time_samples);
   time_samples->excludes(time_step);
-  for (CLI::Option* option : {integrator, pattern, resolver, time_step, time_samples, spp, seed}) {
+  for (CLI::Option* option : {integrator, pattern, resolver, time_step, time_samples, spp, seed, layout}) {
     option->group("Method");
   }
 }

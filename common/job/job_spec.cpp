@@ -158,6 +158,7 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Signed(render.time_samples ? int64_t{*render.time_samples} : -1);
   writer.Signed(render.spp);
   writer.Number(render.seed);
+  writer.Text(ToString(render.reference_layout));
   return writer.Finish();
 }
 

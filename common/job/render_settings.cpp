@@ -16,6 +16,8 @@ using Words = std::array<std::pair<Enum, absl::string_view>, N>;
 constexpr Words<IntegratorKind, 3> kIntegrators{{{IntegratorKind::kLine, "line"},
                                                  {IntegratorKind::kReference, "reference"},
                                                  {IntegratorKind::kStochastic, "stochastic"}}};
+constexpr Words<ReferenceLayout, 2> kReferenceLayouts{
+    {{ReferenceLayout::kMotionBvh, "motion-bvh"}, {ReferenceLayout::kSharedInstants, "shared-instants"}}};
 constexpr Words<PatternKind, 4> kPatterns{{{PatternKind::k1h1v, "1h1v"},
                                            {PatternKind::k2h2v, "2h2v"},
                                            {PatternKind::k4h4v, "4h4v"},
@@ -87,6 +89,9 @@ absl::Status Validate(const RenderSettings& s) {
 absl::string_view ToString(IntegratorKind kind) {
   return WordOf(kIntegrators, kind);
 }
+absl::string_view ToString(ReferenceLayout layout) {
+  return WordOf(kReferenceLayouts, layout);
+}
 absl::string_view ToString(PatternKind kind) {
   return WordOf(kPatterns, kind);
 }
@@ -101,6 +106,9 @@ absl::string_view ToString(ExrCompression compression) {
 }
 std::optional<IntegratorKind> ParseIntegrator(absl::string_view word) {
   return ValueOf(kIntegrators, word);
+}
+std::optional<ReferenceLayout> ParseReferenceLayout(absl::string_view word) {
+  return ValueOf(kReferenceLayouts, word);
 }
 std::optional<PatternKind> ParsePattern(absl::string_view word) {
   return ValueOf(kPatterns, word);

@@ -10,6 +10,7 @@
 namespace shutterline {
 
 enum class IntegratorKind { kLine, kReference, kStochastic };
+enum class ReferenceLayout { kMotionBvh, kSharedInstants };
 enum class PatternKind { k1h1v, k2h2v, k4h4v, kRgls };
 enum class ResolverKind { kSlice };
 enum class PixelType { kHalf, kFloat };
@@ -48,6 +49,10 @@ struct RenderSettings {
   int spp = 64;       ///< Reference and stochastic integrators: points (x, y, t) a pixel, 1 to kMaxSpp.
   uint64_t seed = 0;  ///< The same two: frames of different seeds are independent estimates.
 
+  /// Reference integrator: whether each ray has a time of its own, or all pixels share `spp` instants, which
+  /// is faster, but couples the errors of neighbours.
+  ReferenceLayout reference_layout = ReferenceLayout::kMotionBvh;
+
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 
@@ -74,11 +79,13 @@ absl::Status Validate(const RenderSettings& settings);
 /// The words of the command line and of EXR headers ("rgls", "slice", "half", ...). Each Parse accepts
 /// exactly what ToString returns and otherwise returns nullopt.
 absl::string_view ToString(IntegratorKind kind);
+absl::string_view ToString(ReferenceLayout layout);
 absl::string_view ToString(PatternKind kind);
 absl::string_view ToString(ResolverKind kind);
 absl::string_view ToString(PixelType type);
 absl::string_view ToString(ExrCompression compression);
 std::optional<IntegratorKind> ParseIntegrator(absl::string_view word);
+std::optional<ReferenceLayout> ParseReferenceLayout(absl::string_view word);
 std::optional<PatternKind> ParsePattern(absl::string_view word);
 std::optional<ResolverKind> ParseResolver(absl::string_view word);
 std::optional<PixelType> ParsePixelType(absl::string_view word);

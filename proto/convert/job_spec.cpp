@@ -19,6 +19,9 @@ constexpr Pairs<IntegratorKind, v1::Integrator, 3> kIntegrators{
     {{IntegratorKind::kLine, v1::INTEGRATOR_LINE},
      {IntegratorKind::kReference, v1::INTEGRATOR_REFERENCE},
      {IntegratorKind::kStochastic, v1::INTEGRATOR_STOCHASTIC}}};
+constexpr Pairs<ReferenceLayout, v1::ReferenceLayout, 2> kReferenceLayouts{
+    {{ReferenceLayout::kMotionBvh, v1::REFERENCE_LAYOUT_MOTION_BVH},
+     {ReferenceLayout::kSharedInstants, v1::REFERENCE_LAYOUT_SHARED_INSTANTS}}};
 constexpr Pairs<PatternKind, v1::Pattern, 4> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
                                                         {PatternKind::k2h2v, v1::PATTERN_2H2V},
                                                         {PatternKind::k4h4v, v1::PATTERN_4H4V},
@@ -83,6 +86,7 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   if (s.time_samples) m.set_time_samples(*s.time_samples);
   m.set_spp(s.spp);
   m.set_seed(s.seed);
+  m.set_reference_layout(Out(kReferenceLayouts, s.reference_layout));
   return m;
 }
 
@@ -146,6 +150,8 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   if (m.has_time_samples()) s.time_samples = m.time_samples();
   s.spp = m.spp();
   s.seed = m.seed();
+  SL_ASSIGN_OR_RETURN(s.reference_layout,
+                      In(kReferenceLayouts, m.reference_layout(), field, "reference_layout"));
   SL_RETURN_IF_ERROR(Validate(s));
   return s;
 }

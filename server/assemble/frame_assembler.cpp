@@ -72,6 +72,9 @@ std::string DescribeSettings(const RenderSettings& s) {
     }
   } else {
     absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);
+    if (s.integrator == IntegratorKind::kReference) {
+      absl::StrAppend(&text, " reference_layout=", ToString(s.reference_layout));
+    }
   }
   return text;
 }

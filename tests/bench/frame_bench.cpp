@@ -2,6 +2,7 @@
 // against the error of the very picture that took them, as docs/performance.md asks.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct Options {
   int only_reference = 0;
   double shutter_close = 0.5, fps = 24, time_step = 1;
   int time_samples = 0;
-  std::vector<int> ladder, stochastic;
+  std::vector<int> ladder, shared, stochastic;
   std::vector<int> window;
   bool flat = false;
 };
@@ -127,16 +128,30 @@ int Run(const Options& options) {
   const auto moving = OrExit(MaskMotion(scene, options.frame, settings, how));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
-  for (const auto& [integrator, ladder] : {std::pair(IntegratorKind::kReference, &options.ladder),
-                                           {IntegratorKind::kStochastic, &options.stochastic}}) {
+  struct Rival {
+    const char* name;
+    IntegratorKind integrator;
+    ReferenceLayout layout;
+    const std::vector<int>& ladder;
+  };
+  for (const auto& [what, integrator, layout, ladder] :
+       {Rival{"reference", IntegratorKind::kReference, ReferenceLayout::kMotionBvh, options.ladder},
+        Rival{"shared instants", IntegratorKind::kReference, ReferenceLayout::kSharedInstants,
+              options.shared},
+        Rival{"stochastic", IntegratorKind::kStochastic, ReferenceLayout::kMotionBvh, options.stochastic}}) {
     RenderSettings rival = reference;
     rival.integrator = integrator;
+    rival.reference_layout = layout;
     rival.seed = 303;
-    for (const int spp : *ladder) {
+    for (const int spp : ladder) {
       rival.spp = spp;
+      const std::clock_t start = std::clock();
       const RenderedFrame frame = OrExit(RenderFrame(scene, options.frame, rival, how));
-      const std::string name = std::string(ToString(integrator)) + ", " + std::to_string(spp) + " spp";
+      const double cpu_seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+      const std::string name = std::string(what) + ", " + std::to_string(spp) + " spp";
       PrintStages(name.c_str(), frame);
+      std::printf("%-24s processor time of all stages %.3f s, %.1f ns a sample\n", name.c_str(), cpu_seconds,
+                  1e9 * cpu_seconds / (double(frame.image.width()) * frame.image.height() * spp));
       PrintError(name.c_str(), frame.image, a.image, b.image, moving);
     }
   }
@@ -166,6 +181,7 @@ int main(int argc, char** argv) {
   app.add_option("--half-spp", o.half_spp, "Points a pixel of each half of the reference; 0: no reference");
   app.add_option("--only-reference", o.only_reference, "Nothing but the reference, at these points a pixel");
   app.add_option("--ladder", o.ladder, "Also time the reference at these points a pixel");
+  app.add_option("--shared", o.shared, "The same with instants that all pixels share");
   app.add_option("--stochastic", o.stochastic, "Also time the stochastic integrator at these points a pixel");
   app.add_flag("--flat", o.flat, "Unlit flat colours instead of the scene's materials");
   app.add_option("--save", o.save, "Prefix of pictures to write");

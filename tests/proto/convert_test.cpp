@@ -37,6 +37,7 @@ JobSpec RandomSpec(std::mt19937& random) {
   if (below(2)) r.motion_degree = 1 + below(kMaxMotionDegree);
   if (below(2)) r.motion_pieces = 1 << below(7);
   r.integrator = IntegratorKind(below(3));
+  r.reference_layout = ReferenceLayout(below(2));
   r.pattern = PatternKind(below(4));
   r.time_step = 0.001 + below(1000) / 9.0;
   if (below(2)) r.time_samples = 1 + below(kMaxTimeSamples);

@@ -87,6 +87,8 @@ void ExpectWords(std::vector<Enum> values, Parse parse) {
 TEST(RenderSettings, WordRoundTrips) {
   ExpectWords<IntegratorKind>(
       {IntegratorKind::kLine, IntegratorKind::kReference, IntegratorKind::kStochastic}, ParseIntegrator);
+  ExpectWords<ReferenceLayout>({ReferenceLayout::kMotionBvh, ReferenceLayout::kSharedInstants},
+                               ParseReferenceLayout);
   ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls},
                            ParsePattern);
   ExpectWords<ResolverKind>({ResolverKind::kSlice}, ParseResolver);

@@ -55,45 +55,52 @@ void EmbreeFrame::FilterHits(const RTCFilterFunctionNArguments* arguments) {
 absl::StatusOr<EmbreeFrame> EmbreeFrame::Build(const FrameScene& frame, int threads) {
   // More threads than processors would only make TBB complain.
   tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
-  return arena.execute([&]() -> absl::StatusOr<EmbreeFrame> {
-    EmbreeFrame result;
-    SL_ASSIGN_OR_RETURN(result.device_, MakeEmbreeDevice());
-    const RTCDevice device = result.device_.get();
-    if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
-      return absl::InternalError(
-          "build the reference's scene: this Embree was built without filter functions");
-    }
-    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) {
-      result.packet_width_ = 16;
-    } else if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
-      result.packet_width_ = 8;
-    }
-    result.scale_ = ViewScale(frame);
-    result.scene_ = EmbreeScene(rtcNewScene(device));
-    rtcSetSceneFlags(result.scene(), RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(result.scene(), RTC_BUILD_QUALITY_MEDIUM);
-    for (const FramePrimitive& primitive : frame.primitives) {
-      result.infos_.push_back({primitive.first_triangle, primitive.material->double_sided});
-    }
-    for (unsigned p = 0; p < frame.primitives.size(); ++p) {
-      SL_RETURN_IF_ERROR(Annotate(result.AddPrimitive(frame, p), "build the reference's scene"));
-    }
-    rtcCommitScene(result.scene());
-    SL_RETURN_IF_ERROR(EmbreeStatus(device, "build the reference's scene"));
-    return result;
-  });
+  return arena.execute([&] { return BuildScene(frame, std::nullopt, RTC_BUILD_QUALITY_MEDIUM); });
 }
 
-absl::Status EmbreeFrame::AddPrimitive(const FrameScene& frame, unsigned number) {
+absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildAt(const FrameScene& frame, double instant, bool quickly) {
+  return BuildScene(frame, instant, quickly ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
+}
+
+absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildScene(const FrameScene& frame, std::optional<double> instant,
+                                                    RTCBuildQuality quality) {
+  EmbreeFrame result;
+  SL_ASSIGN_OR_RETURN(result.device_, MakeEmbreeDevice());
+  const RTCDevice device = result.device_.get();
+  if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
+    return absl::InternalError("build the reference's scene: this Embree was built without filter functions");
+  }
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) {
+    result.packet_width_ = 16;
+  } else if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
+    result.packet_width_ = 8;
+  }
+  result.scale_ = ViewScale(frame);
+  result.scene_ = EmbreeScene(rtcNewScene(device));
+  rtcSetSceneFlags(result.scene(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(result.scene(), quality);
+  for (const FramePrimitive& primitive : frame.primitives) {
+    result.infos_.push_back({primitive.first_triangle, primitive.material->double_sided});
+  }
+  for (unsigned p = 0; p < frame.primitives.size(); ++p) {
+    SL_RETURN_IF_ERROR(Annotate(result.AddPrimitive(frame, p, instant), "build the reference's scene"));
+  }
+  rtcCommitScene(result.scene());
+  SL_RETURN_IF_ERROR(EmbreeStatus(device, "build the reference's scene"));
+  return result;
+}
+
+absl::Status EmbreeFrame::AddPrimitive(const FrameScene& frame, unsigned number,
+                                       std::optional<double> instant) {
   const FramePrimitive& primitive = frame.primitives[number];
   if (primitive.triangle_count == 0) return absl::OkStatus();
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  const int steps = primitive.degree == 0 ? 0 : primitive.linear_pieces;
+  const int steps = primitive.degree == 0 || instant ? 0 : primitive.linear_pieces;
   static_assert(kMaxLinearPieces < RTC_MAX_TIME_STEP_COUNT);
   rtcSetGeometryTimeStepCount(geometry.get(), unsigned(steps) + 1);
 
   for (int step = 0; step <= steps; ++step) {
-    const double t = steps == 0 ? 0 : double(step) / steps;
+    const double t = instant ? *instant : steps == 0 ? 0 : double(step) / steps;
     auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
                                                                   unsigned(step), RTC_FORMAT_FLOAT3,
                                                                   3 * sizeof(float), primitive.vertex_count));

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "worker/engine/accel/embree.h"
@@ -18,6 +19,9 @@ namespace shutterline::engine {
 class EmbreeFrame {
  public:
   static absl::StatusOr<EmbreeFrame> Build(const FrameScene& frame, int threads);
+  /// The same frozen at shutter time `instant`, without motion; built as fast as can be where `quickly`, for
+  /// few rays. On the calling thread and those of its task arena.
+  static absl::StatusOr<EmbreeFrame> BuildAt(const FrameScene& frame, double instant, bool quickly);
 
   RTCScene scene() const { return scene_.get(); }
   /// Metres a unit of Embree's coordinates, a power of two.
@@ -34,7 +38,9 @@ class EmbreeFrame {
 
   static void FilterHits(const RTCFilterFunctionNArguments* arguments);
 
-  absl::Status AddPrimitive(const FrameScene& frame, unsigned number);
+  static absl::StatusOr<EmbreeFrame> BuildScene(const FrameScene& frame, std::optional<double> instant,
+                                                RTCBuildQuality quality);
+  absl::Status AddPrimitive(const FrameScene& frame, unsigned number, std::optional<double> instant);
 
   // In this order: the scene goes before what its geometries point to, and before its device.
   EmbreeDevice device_;

@@ -7,8 +7,6 @@
 #include "common/base/check.h"
 #include "common/base/status_macros.h"
 #include "worker/engine/reference/ray_packet.h"
-#include "worker/engine/shading/footprint.h"
-#include "worker/engine/shading/shade.h"
 
 namespace shutterline::engine {
 namespace {
@@ -36,31 +34,10 @@ EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Embree
                            const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
       embree_(std::move(embree)),
+      shader_(frame_scene_),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
-  for (const FramePrimitive& primitive : frame_scene_->primitives) {
-    is_constant_.push_back(IsConstantShade(*frame_scene_, primitive));
-    if (!is_constant_.back()) continue;
-    constant_shades_.resize(frame_scene_->triangles.size());
-    for (uint32_t i = 0; i < primitive.triangle_count; ++i) {
-      const uint32_t triangle = primitive.first_triangle + i;
-      constant_shades_[triangle] = Shade(*frame_scene_, triangle, Barycentric{}, Footprint{});
-    }
-  }
-}
-
-V3f EmbreeTracer::Radiance(uint32_t triangle, double b1, double b2, double t) const {
-  const FrameTriangle& corners = frame_scene_->triangles[triangle];
-  if (is_constant_[corners.primitive]) return constant_shades_[triangle];
-  // Embree's coordinates may leave the triangle by a rounding.
-  Barycentric at;
-  at.b1 = std::clamp(b1, 0.0, 1.0);
-  at.b2 = std::clamp(b2, 0.0, 1.0 - at.b1);
-  const FramePrimitive& primitive = frame_scene_->primitives[corners.primitive];
-  RasterPoint vertices[3];
-  for (int i = 0; i < 3; ++i) vertices[i] = frame_scene_->VertexAt(primitive, corners.vertices[i], t);
-  return Shade(*frame_scene_, triangle, at, PixelFootprint(vertices, at));
 }
 
 template <int kWidth>
@@ -94,7 +71,7 @@ void EmbreeTracer::RenderPixels(const TileRect& rect, std::span<float> rgba, Ren
           const uint32_t triangle =
               frame_scene_->primitives[geometry].first_triangle + packet.hit.primID[lane];
           const V3f radiance =
-              Radiance(triangle, packet.hit.u[lane], packet.hit.v[lane], packet.ray.time[lane]);
+              shader_.Radiance(triangle, packet.hit.u[lane], packet.hit.v[lane], packet.ray.time[lane]);
           red += radiance.x;
           green += radiance.y;
           blue += radiance.z;

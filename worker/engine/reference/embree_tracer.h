@@ -3,11 +3,10 @@
 #include <absl/status/statusor.h>
 
 #include <memory>
-#include <vector>
 
 #include "common/job/render_settings.h"
-#include "common/math/spaces.h"
 #include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/sampling/point_pattern.h"
 
@@ -41,16 +40,11 @@ class EmbreeTracer : public TileIntegrator {
   template <int kWidth>
   void RenderPixels(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;
 
-  /// The radiance that a hit shows. `b1`, `b2` as Embree gives them.
-  V3f Radiance(uint32_t triangle, double b1, double b2, double t) const;
-
   std::shared_ptr<const FrameScene> frame_scene_;
   EmbreeFrame embree_;
+  HitShader shader_;
   PointPattern pattern_;
   int spp_;
-  /// By primitive: whether one shade serves every hit of a triangle; then it is in constant_shades_.
-  std::vector<bool> is_constant_;
-  std::vector<V3f> constant_shades_;  ///< By triangle; empty if no primitive is constant.
 };
 
 }  // namespace shutterline::engine

@@ -86,12 +86,16 @@ double Coordinate(uint32_t reversed, uint64_t key) {
 
 }  // namespace
 
-PixelPoint PixelPoints::At(uint32_t index) const {
-  std::array<uint32_t, 3> digits{};
+PixelPoints::Digits PixelPoints::DigitsOf(uint32_t index) {
+  Digits digits{};
   for (int bit = 0; index != 0; ++bit, index >>= 1) {
     const uint32_t mask = -(index & 1);
     for (int d = 0; d < 3; ++d) digits[d] ^= kDirections[d][bit] & mask;
   }
+  return digits;
+}
+
+PixelPoint PixelPoints::At(const Digits& digits) const {
   return {Coordinate(digits[0], keys_[0]), Coordinate(digits[1], keys_[1]), Coordinate(digits[2], keys_[2])};
 }
 

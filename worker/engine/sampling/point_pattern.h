@@ -19,7 +19,12 @@ class PixelPoints {
  public:
   explicit PixelPoints(const std::array<uint64_t, 3>& keys) : keys_(keys) {}
 
-  PixelPoint At(uint32_t index) const;
+  /// The digits of a point before scrambling, which all pixels share; for loops over pixels.
+  using Digits = std::array<uint32_t, 3>;
+  static Digits DigitsOf(uint32_t index);
+
+  PixelPoint At(uint32_t index) const { return At(DigitsOf(index)); }
+  PixelPoint At(const Digits& digits) const;
 
  private:
   std::array<uint64_t, 3> keys_;

@@ -12,8 +12,11 @@ namespace {
 /// A pixel with more pairs than this finds them through a hash table.
 constexpr uint32_t kLongestSearch = 24;
 
-constexpr size_t PixelOf(int x, int y) {
-  return size_t(y) * kCellSize + size_t(x);
+/// The place of a pixel in the order of blocks.
+size_t PixelOf(const PassShape& shape, int x, int y) {
+  const int log2 = shape.block_log2, mask = shape.block() - 1;
+  const int block = (y >> log2) * shape.blocks_per_side() + (x >> log2);
+  return (size_t(block) << (2 * log2)) + size_t(((y & mask) << log2) + (x & mask));
 }
 
 }  // namespace
@@ -24,8 +27,8 @@ void CellFilm::Reset(const FrameScene& frame, const CellTriangles& cell) {
   cell_ = &cell;
   varying_ = std::any_of(cell.triangles.begin(), cell.triangles.end(),
                          [](const CellTriangle& t) { return t.needs_position; });
-  colors_.assign(cell.triangles.size() + 1, Rgba{.a = -1});
-  colors_[0] = {};
+  colors_.assign(cell.triangles.size() + 1, Rgba{0, 0, 0, -1});
+  colors_[0] = Rgba{};
   group_.assign(kPixels, Rgba{});
   total_.assign(kPixels, {});
   if (!varying_) return;
@@ -38,9 +41,9 @@ void CellFilm::Reset(const FrameScene& frame, const CellTriangles& cell) {
 
 const CellFilm::Rgba& CellFilm::ColorOf(uint32_t seen) {
   Rgba& color = colors_[seen];
-  if (color.a < 0) {
+  if (color[3] < 0) {
     const V3f radiance = Shade(*frame_, cell_->triangles[seen - 1].id, Barycentric{}, Footprint{});
-    color = {radiance.x, radiance.y, radiance.z, 1};
+    color = Rgba{radiance.x, radiance.y, radiance.z, 1};
   }
   return color;
 }
@@ -53,34 +56,38 @@ void CellFilm::AddPass(const Pass& pass, const PassBuffers& buffers) {
   }
   const int end = pass.first_stratum + pass.shape.strata;
   if (end % kMostPassStrata != 0 && end < pass.spp) return;
-  for (int y = pass.y0; y < pass.y1; ++y) {
-    for (size_t i = PixelOf(pass.x0, y); i < PixelOf(pass.x1, y); ++i) {
-      Rgba& group = group_[i];
-      std::array<double, 4>& total = total_[i];
-      total[0] += double(group.r);
-      total[1] += double(group.g);
-      total[2] += double(group.b);
-      total[3] += double(group.a);
-      group = {};
-    }
+  for (size_t i = 0; i < group_.size(); ++i) {
+    for (size_t channel = 0; channel < 4; ++channel) total_[i][channel] += double(group_[i][channel]);
+    group_[i] = Rgba{};
   }
 }
 
+template <int kPixels>
+void CellFilm::AddBlock(const uint32_t* seen, int samples, Rgba* sums) {
+  Rgba sum[kPixels];
+  for (int i = 0; i < kPixels; ++i) sum[i] = sums[i];
+  // What lies beyond the last stratum sees the background, which is nothing.
+  for (int s = 0; s < samples; s += kPixels) {
+    for (int i = 0; i < kPixels; ++i) sum[i] += ColorOf(seen[s + i]);
+  }
+  for (int i = 0; i < kPixels; ++i) sums[i] = sum[i];
+}
+
 void CellFilm::AddConstant(const Pass& pass, const PassBuffers& buffers) {
-  const int strata = std::min(pass.shape.strata, pass.spp - pass.first_stratum);
-  const uint32_t* const seen = buffers.seen.get();
-  for (int y = pass.y0; y < pass.y1; ++y) {
-    for (int x = pass.x0; x < pass.x1; ++x) {
-      Rgba sum = group_[PixelOf(x, y)];
-      for (int s = 0; s < strata; ++s) {
-        const uint32_t what = seen[SampleIndex(pass.shape, x, y, s)];
-        const Rgba& color = ColorOf(what);
-        sum.r += color.r;
-        sum.g += color.g;
-        sum.b += color.b;
-        sum.a += color.a;
+  const PassShape& shape = pass.shape;
+  const int log2 = shape.block_log2, samples = shape.vectors() * kVectorSamples;
+  for (int y = pass.y0 >> log2; y <= (pass.y1 - 1) >> log2; ++y) {
+    for (int x = pass.x0 >> log2; x <= (pass.x1 - 1) >> log2; ++x) {
+      const int block = y * shape.blocks_per_side() + x;
+      const uint32_t* const seen = buffers.seen.get() + size_t(block) * size_t(samples);
+      Rgba* const sums = group_.data() + (size_t(block) << (2 * log2));
+      if (log2 == 2) {
+        AddBlock<16>(seen, samples, sums);
+      } else if (log2 == 1) {
+        AddBlock<4>(seen, samples, sums);
+      } else {
+        AddBlock<1>(seen, samples, sums);
       }
-      group_[PixelOf(x, y)] = sum;
     }
   }
 }
@@ -89,39 +96,39 @@ void CellFilm::AddVarying(const Pass& pass, const PassBuffers& buffers) {
   const int strata = std::min(pass.shape.strata, pass.spp - pass.first_stratum);
   for (int y = pass.y0; y < pass.y1; ++y) {
     for (int x = pass.x0; x < pass.x1; ++x) {
-      const int pixel = int(PixelOf(x, y));
+      const size_t pixel = PixelOf(pass.shape, x, y);
+      Rgba sum = group_[pixel];
       for (int s = 0; s < strata; ++s) {
         const size_t at = SampleIndex(pass.shape, x, y, s);
         const uint32_t what = buffers.seen[at];
         if (what == 0) continue;
         const CellTriangle& triangle = cell_->triangles[what - 1];
-        Rgba& sum = group_[size_t(pixel)];
         if (!triangle.needs_position) {
-          const Rgba& color = ColorOf(what);
-          sum = {sum.r + color.r, sum.g + color.g, sum.b + color.b, sum.a + 1};
+          sum += ColorOf(what);
           continue;
         }
-        sum.a += 1;
+        sum += Rgba{0, 0, 0, 1};
         uint32_t bin = 0;
         if (triangle.shading_bins_log2 > 0) {
           const auto bins = uint32_t{1} << triangle.shading_bins_log2;
           const float t = 0.5f * buffers.tau[at] + 0.5f;
           bin = std::min(uint32_t(std::max(t, 0.0f) * float(bins)), bins - 1);
         }
-        Pair& pair = PairOf(pixel, what - 1, bin);
+        Pair& pair = PairOf(int(pixel), triangle.id, what - 1, bin);
         ++pair.count;
         pair.b1 += double(buffers.b1[at]);
         pair.b2 += double(buffers.b2[at]);
       }
+      group_[pixel] = sum;
     }
   }
 }
 
-CellFilm::Pair& CellFilm::PairOf(int pixel, uint32_t triangle, uint32_t bin) {
-  const auto matches = [&](const Pair& p) { return p.triangle == triangle && p.bin == bin; };
+CellFilm::Pair& CellFilm::PairOf(int pixel, uint32_t id, uint32_t triangle, uint32_t bin) {
+  const auto matches = [&](const Pair& p) { return p.id == id && p.bin == bin; };
   uint32_t& latest = latest_pair_[size_t(pixel)];
   if (latest != 0 && matches(pairs_[latest])) return pairs_[latest];
-  const std::array<uint32_t, 3> key{uint32_t(pixel), triangle, bin};
+  const std::array<uint32_t, 3> key{uint32_t(pixel), id, bin};
   uint32_t& count = pair_count_[size_t(pixel)];
   uint32_t found = 0;
   if (count <= kLongestSearch) {
@@ -133,11 +140,11 @@ CellFilm::Pair& CellFilm::PairOf(int pixel, uint32_t triangle, uint32_t bin) {
   }
   if (found == 0) {
     found = uint32_t(pairs_.size());
-    pairs_.push_back({.triangle = triangle, .bin = bin, .next = first_pair_[size_t(pixel)]});
+    pairs_.push_back({.id = id, .triangle = triangle, .bin = bin, .next = first_pair_[size_t(pixel)]});
     first_pair_[size_t(pixel)] = found;
     if (++count == kLongestSearch + 1) {
       for (uint32_t i = found; i != 0; i = pairs_[i].next) {
-        index_[{uint32_t(pixel), pairs_[i].triangle, pairs_[i].bin}] = i;
+        index_[{uint32_t(pixel), pairs_[i].id, pairs_[i].bin}] = i;
       }
     } else if (count > kLongestSearch) {
       index_[key] = found;
@@ -170,7 +177,7 @@ void CellFilm::Write(const Pass& pass, int x, int y, const TileRect& rect, std::
   std::vector<Share> shares;
   for (int row = pass.y0; row < pass.y1; ++row) {
     for (int column = pass.x0; column < pass.x1; ++column) {
-      const size_t pixel = PixelOf(column, row);
+      const size_t pixel = PixelOf(pass.shape, column, row);
       std::array<double, 4> sum = total_[pixel];
       shares.clear();
       for (uint32_t i = varying_ ? first_pair_[pixel] : 0; i != 0; i = pairs_[i].next) {

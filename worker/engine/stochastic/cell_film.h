@@ -33,12 +33,12 @@ class CellFilm {
   void Write(const Pass& pass, int x, int y, const TileRect& rect, std::span<float> rgba, RenderStats& stats);
 
  private:
-  struct Rgba {
-    float r = 0, g = 0, b = 0, a = 0;
-  };
+  /// Red, green, blue and alpha, added as one vector: a language extension that GCC and Clang share.
+  using Rgba [[gnu::vector_size(16)]] = float;
   /// What one pixel sees of one triangle in one shading bin.
   struct Pair {
-    uint32_t triangle = 0;  ///< Index in the cell.
+    uint32_t id = 0;        ///< In the frame.
+    uint32_t triangle = 0;  ///< Of the cell: a piece of its motion.
     uint32_t bin = 0;
     uint32_t count = 0;
     uint32_t next = 0;  ///< Of the pixel; 0: none.
@@ -46,9 +46,11 @@ class CellFilm {
   };
 
   void AddConstant(const Pass& pass, const PassBuffers& buffers);
+  template <int kPixels>
+  void AddBlock(const uint32_t* seen, int samples, Rgba* sums);
   void AddVarying(const Pass& pass, const PassBuffers& buffers);
   const Rgba& ColorOf(uint32_t seen);
-  Pair& PairOf(int pixel, uint32_t triangle, uint32_t bin);
+  Pair& PairOf(int pixel, uint32_t id, uint32_t triangle, uint32_t bin);
   V3f ShadePair(const Pair& pair) const;
 
   const FrameScene* frame_ = nullptr;
@@ -56,9 +58,10 @@ class CellFilm {
   bool varying_ = false;  ///< Some triangle needs a position.
   /// By what is seen: 0 is the background. Alpha is negative where it has not been shaded yet.
   std::vector<Rgba> colors_;
-  std::vector<Rgba> group_;                   ///< By pixel of the cell: sums of the present group of strata.
-  std::vector<std::array<double, 4>> total_;  ///< By pixel: sums of all finished groups.
-  std::vector<Pair> pairs_;                   ///< The first is unused.
+  // By pixel, in the order of the shape's blocks: sums of the present group of strata, and of all before.
+  std::vector<Rgba> group_;
+  std::vector<std::array<double, 4>> total_;
+  std::vector<Pair> pairs_;                         ///< The first is unused.
   std::vector<uint32_t> first_pair_, latest_pair_;  ///< By pixel.
   std::vector<uint32_t> pair_count_;
   absl::flat_hash_map<std::array<uint32_t, 3>, uint32_t> index_;  ///< Of pixels with many pairs.

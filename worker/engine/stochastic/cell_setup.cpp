@@ -222,9 +222,8 @@ void CellSetup::AddPiece(CellTriangle triangle, const FramePrimitive& primitive,
   if (traits.textured && degree > 0) {
     // A texture that moves under a pixel is blurred by shading it at several times.
     constexpr int kMost = 6;
-    const auto& extent = cell_.extent.back();
-    const float path = std::hypot(extent[2], extent[3]) * float(primitive.pieces);
-    while (triangle.shading_bins_log2 < kMost && float(1 << triangle.shading_bins_log2) < path) {
+    while (triangle.shading_bins_log2 < kMost &&
+           double(1 << triangle.shading_bins_log2) < primitive.motion_pixels) {
       ++triangle.shading_bins_log2;
     }
   }

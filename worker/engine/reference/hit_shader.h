@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/math/spaces.h"
+#include "worker/engine/scene/frame_scene.h"
+
+namespace shutterline::engine {
+
+/// The radiance of hits; triangles of constant shading are shaded once, when this is made. Immutable.
+class HitShader {
+ public:
+  explicit HitShader(std::shared_ptr<const FrameScene> frame);
+
+  /// `b1`, `b2` as Embree gives them, `t` the ray's time.
+  V3f Radiance(uint32_t triangle, double b1, double b2, double t) const;
+
+ private:
+  std::shared_ptr<const FrameScene> frame_;
+  /// By primitive: whether one shade serves every hit of a triangle; then it is in constant_shades_.
+  std::vector<bool> is_constant_;
+  std::vector<V3f> constant_shades_;  ///< By triangle; empty if no primitive is constant.
+};
+
+}  // namespace shutterline::engine
