@@ -104,10 +104,14 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                            [&](const std::string& t) {
                              return StoreWord(ParsePattern(t), s.pattern, "1h1v, 2h2v, 4h4v or rgls");
                            });
-  auto* resolver =
-      AddValue(app, "--resolver", "slice", "slice",
-               "How visibility is resolved on a line: slice is exact along\nthe line at each instant",
-               [&](const std::string& t) { return StoreWord(ParseResolver(t), s.resolver, "slice"); });
+  auto* resolver = AddValue(
+      app, "--resolver", "slice|paper", "slice",
+      "How visibility is resolved on a line: slice is exact along\nthe line at each instant; paper "
+      "resolves patches over the\nshutter",
+      [&](const std::string& t) { return StoreWord(ParseResolver(t), s.resolver, "slice or paper"); });
+  auto* time_cells = AddValue(
+      app, "--time-cells", "N", "4", absl::StrCat("paper: equal spans of the shutter, 1 to ", kMaxTimeCells),
+      [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxTimeCells), s.time_cells); });
   auto* time_step = AddValue(
       app, "--time-step", "PIXELS", "1",
       "Motion between two instants of a line; smaller is slower\nand more exact", [&](const std::string& t) {
@@ -137,7 +141,8 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                           });
   time_step->excludes(time_samples);
   time_samples->excludes(time_step);
-  for (CLI::Option* option : {integrator, pattern, resolver, time_step, time_samples, spp, seed, layout}) {
+  for (CLI::Option* option :
+       {integrator, pattern, resolver, time_cells, time_step, time_samples, spp, seed, layout}) {
     option->group("Method");
   }
 }

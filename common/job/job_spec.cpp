@@ -156,6 +156,7 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Text(ToString(render.resolver));
   writer.Real(render.time_step);
   writer.Signed(render.time_samples ? int64_t{*render.time_samples} : -1);
+  writer.Signed(render.time_cells);
   writer.Signed(render.spp);
   writer.Number(render.seed);
   writer.Text(ToString(render.reference_layout));

@@ -22,7 +22,8 @@ constexpr Words<PatternKind, 4> kPatterns{{{PatternKind::k1h1v, "1h1v"},
                                            {PatternKind::k2h2v, "2h2v"},
                                            {PatternKind::k4h4v, "4h4v"},
                                            {PatternKind::kRgls, "rgls"}}};
-constexpr Words<ResolverKind, 1> kResolvers{{{ResolverKind::kSlice, "slice"}}};
+constexpr Words<ResolverKind, 2> kResolvers{
+    {{ResolverKind::kSlice, "slice"}, {ResolverKind::kPaper, "paper"}}};
 constexpr Words<PixelType, 2> kPixelTypes{{{PixelType::kHalf, "half"}, {PixelType::kFloat, "float"}}};
 constexpr Words<ExrCompression, 4> kCompressions{{{ExrCompression::kNone, "none"},
                                                   {ExrCompression::kZip, "zip"},
@@ -81,6 +82,9 @@ absl::Status Validate(const RenderSettings& s) {
   }
   if (s.time_samples && (*s.time_samples < 1 || *s.time_samples > kMaxTimeSamples)) {
     return OutOfRange("time_samples", *s.time_samples, absl::StrCat("1 to ", kMaxTimeSamples));
+  }
+  if (s.time_cells < 1 || s.time_cells > kMaxTimeCells) {
+    return OutOfRange("time_cells", s.time_cells, absl::StrCat("1 to ", kMaxTimeCells));
   }
   if (s.spp < 1 || s.spp > kMaxSpp) return OutOfRange("spp", s.spp, absl::StrCat("1 to ", kMaxSpp));
   return absl::OkStatus();

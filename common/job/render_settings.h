@@ -12,7 +12,7 @@ namespace shutterline {
 enum class IntegratorKind { kLine, kReference, kStochastic };
 enum class ReferenceLayout { kMotionBvh, kSharedInstants };
 enum class PatternKind { k1h1v, k2h2v, k4h4v, kRgls };
-enum class ResolverKind { kSlice };
+enum class ResolverKind { kSlice, kPaper };
 enum class PixelType { kHalf, kFloat };
 enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
 
@@ -46,6 +46,8 @@ struct RenderSettings {
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
+  /// Resolver `paper`: equal spans of the shutter, 1 to kMaxTimeCells, into which a line's cells are cut.
+  int time_cells = 4;
   int spp = 64;       ///< Reference and stochastic integrators: points (x, y, t) a pixel, 1 to kMaxSpp.
   uint64_t seed = 0;  ///< The same two: frames of different seeds are independent estimates.
 
@@ -70,6 +72,7 @@ inline constexpr int kMaxTimeSamples = 1 << 16;
 inline constexpr int kMaxMotionDegree = 3;
 /// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
 inline constexpr int kMaxMotionPieces = 64;
+inline constexpr int kMaxTimeCells = 64;
 inline constexpr int kMaxSpp = 1 << 20;
 
 /// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range.

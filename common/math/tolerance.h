@@ -62,4 +62,22 @@ inline constexpr double kPathDepth = 1e-4;
 /// `LinearPiecesFollowTheCurve`.
 inline constexpr double kChordPixels = 0.01;
 
+/// Patch engine: outlines are cut this many pixels outside the line. Coordinates farther out would cost the
+/// digits of those on it. Guarded by `FarOutlinesAreCut`.
+inline constexpr double kOutlineGuardPixels = 256;
+
+/// Patch engine: a vertex of a polygon this close to a cutting line lies on it, in units of a cell (a pixel,
+/// a span of the shutter). Corners that polygons share are cut apart only up to rounding, some 2^-50.
+/// Guarded by `SplitsShareTheirCut`.
+inline constexpr double kOnLine = 0x1p-44;
+
+/// Patch engine: depths are equal where they differ by no more than this fraction; the lower triangle then
+/// wins. Guarded by `Row19CoplanarDuplicates`.
+inline constexpr double kEqualDepth = 1e-12;
+
+/// Patch engine: what polygons leave of a cell, as a fraction, below which it is rounding and not background.
+/// A thousand times what a hundred cuts amount to, and a thousandth of what a picture can show. Guarded
+/// by `Row21ClosedMeshCoversExactly`.
+inline constexpr double kCellSliver = 0x1p-28;
+
 }  // namespace shutterline

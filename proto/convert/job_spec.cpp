@@ -26,7 +26,8 @@ constexpr Pairs<PatternKind, v1::Pattern, 4> kPatterns{{{PatternKind::k1h1v, v1:
                                                         {PatternKind::k2h2v, v1::PATTERN_2H2V},
                                                         {PatternKind::k4h4v, v1::PATTERN_4H4V},
                                                         {PatternKind::kRgls, v1::PATTERN_RGLS}}};
-constexpr Pairs<ResolverKind, v1::Resolver, 1> kResolvers{{{ResolverKind::kSlice, v1::RESOLVER_SLICE}}};
+constexpr Pairs<ResolverKind, v1::Resolver, 2> kResolvers{
+    {{ResolverKind::kSlice, v1::RESOLVER_SLICE}, {ResolverKind::kPaper, v1::RESOLVER_PAPER}}};
 constexpr Pairs<PixelType, v1::PixelType, 2> kPixelTypes{
     {{PixelType::kHalf, v1::PIXEL_TYPE_HALF}, {PixelType::kFloat, v1::PIXEL_TYPE_FLOAT}}};
 constexpr Pairs<ExrCompression, v1::Compression, 4> kCompressions{
@@ -84,6 +85,7 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_resolver(Out(kResolvers, s.resolver));
   m.set_time_step(s.time_step);
   if (s.time_samples) m.set_time_samples(*s.time_samples);
+  m.set_time_cells(s.time_cells);
   m.set_spp(s.spp);
   m.set_seed(s.seed);
   m.set_reference_layout(Out(kReferenceLayouts, s.reference_layout));
@@ -148,6 +150,7 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
   s.time_step = m.time_step();
   if (m.has_time_samples()) s.time_samples = m.time_samples();
+  s.time_cells = m.time_cells();
   s.spp = m.spp();
   s.seed = m.seed();
   SL_ASSIGN_OR_RETURN(s.reference_layout,

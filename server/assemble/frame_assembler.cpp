@@ -65,7 +65,9 @@ std::string DescribeSettings(const RenderSettings& s) {
   if (s.motion_pieces) absl::StrAppend(&text, " motion_pieces=", *s.motion_pieces);
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
-    if (s.time_samples) {
+    if (s.resolver == ResolverKind::kPaper) {
+      absl::StrAppend(&text, " time_cells=", s.time_cells);
+    } else if (s.time_samples) {
       absl::StrAppend(&text, " time_samples=", *s.time_samples);
     } else {
       absl::StrAppend(&text, " time_step=", s.time_step);

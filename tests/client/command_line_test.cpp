@@ -81,8 +81,8 @@ TEST(Options, DefaultsAreThoseOfTheSettings) {
 TEST(Options, EachReachesItsSetting) {
   const Outcome outcome = Tell(
       Split("--frames -2-9x3 --fps 23.976 --size 640x480 --camera Cam#1 --animation all --shutter-open -0.25 "
-            "--shutter-close 0.25 --integrator reference --pattern 4h4v --resolver slice --time-samples 17 "
-            "--spp 256 --motion-degree 2 --motion-pieces 16 "
+            "--shutter-close 0.25 --integrator reference --pattern 4h4v --resolver paper --time-cells 7 "
+            "--time-samples 17 --spp 256 --motion-degree 2 --motion-pieces 16 "
             "--seed 18446744073709551615 --float --compression piz --png -o out/f.##.exr fox.glb"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   RenderSettings settings;
@@ -95,6 +95,8 @@ TEST(Options, EachReachesItsSetting) {
   settings.shutter_close = 0.25;
   settings.integrator = IntegratorKind::kReference;
   settings.pattern = PatternKind::k4h4v;
+  settings.resolver = ResolverKind::kPaper;
+  settings.time_cells = 7;
   settings.time_samples = 17;
   settings.spp = 256;
   settings.motion_degree = 2;
@@ -120,6 +122,7 @@ TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
       {"--integrator", {"Line", "lines", "path"}},
       {"--pattern", {"RGLS", "3h3v"}},
       {"--resolver", {"paper?", "slice "}},
+      {"--time-cells", {"0", "-1", "65", "2.5"}},
       {"--time-step", {"0", "-1", "nan", "1e-9"}},
       {"--time-samples", {"0", "-1", "65537", "2.5"}},
       {"--motion-degree", {"0", "4", "-1", "quadratic"}},

@@ -40,6 +40,7 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.reference_layout = ReferenceLayout(below(2));
   r.pattern = PatternKind(below(4));
   r.time_step = 0.001 + below(1000) / 9.0;
+  r.time_cells = 1 + below(kMaxTimeCells);
   if (below(2)) r.time_samples = 1 + below(kMaxTimeSamples);
   r.spp = 1 + below(kMaxSpp);
   r.seed = (uint64_t{random()} << 32) | random();

@@ -56,7 +56,11 @@ ClosedMesh RandomClosedMesh(uint64_t seed) {
   return mesh;
 }
 
-TEST(ClosedMesh, Row21ClosedMeshCoversExactly) {
+using ClosedMeshes = EachResolver;
+INSTANTIATE_TEST_SUITE_P(Resolvers, ClosedMeshes, testing::Values(ResolverKind::kSlice, ResolverKind::kPaper),
+                         ResolverName);
+
+TEST_P(ClosedMeshes, Row21ClosedMeshCoversExactly) {
   // A closed mesh that surrounds the camera leaves no background: not one unit of weight is missing. Every
   // third mesh is also torn apart into separate vertices in random order, as glTF files have at seams.
   for (uint64_t seed = 1; seed <= 32; ++seed) {
@@ -86,7 +90,7 @@ TEST(ClosedMesh, Row21ClosedMeshCoversExactly) {
     }
     const auto frame = builder.Build();
     for (const PatternKind pattern : kAllPatterns) {
-      const ResolvedTile tile(*frame, {16, 16, 32, 32}, LineSettings(pattern, 5));
+      const ResolvedTile tile(*frame, {16, 16, 32, 32}, With(pattern, 5));
       for (int y = 0; y < 32; ++y) {
         for (int x = 0; x < 32; ++x) {
           ASSERT_EQ(tile.Covered(x, y), tile.total()) << ToString(pattern) << " pixel " << x << ", " << y;
@@ -96,7 +100,7 @@ TEST(ClosedMesh, Row21ClosedMeshCoversExactly) {
   }
 }
 
-TEST(ClosedMesh, Row21NoDoubleCover) {
+TEST_P(ClosedMeshes, Row21NoDoubleCover) {
   // The same meshes seen from outside: with their back sides culled or not, coverage is the silhouette's
   // and never exceeds one; sums are integers, so this is exact.
   for (uint64_t seed = 1; seed <= 16; ++seed) {
@@ -105,7 +109,7 @@ TEST(ClosedMesh, Row21NoDoubleCover) {
     FrameSceneBuilder builder(PerspectiveView(64, 64, 0.8, 0.01));
     builder.AddViewMesh(mesh.open, mesh.close, mesh.triangles);
     const auto frame = builder.Build();
-    const ResolvedTile tile(*frame, {16, 16, 32, 32}, LineSettings(PatternKind::kRgls, 8));
+    const ResolvedTile tile(*frame, {16, 16, 32, 32}, With(PatternKind::kRgls, 8));
     uint64_t covered = 0;
     for (int y = 0; y < 32; ++y) {
       for (int x = 0; x < 32; ++x) {

@@ -14,7 +14,11 @@ constexpr PatternKind kSymmetric[] = {PatternKind::k1h1v, PatternKind::k2h2v, Pa
 constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
                                         PatternKind::kRgls};
 
-TEST(Coverage, Row05EdgeParallelToTheLine) {
+using Coverage = EachResolver;
+INSTANTIATE_TEST_SUITE_P(Resolvers, Coverage, testing::Values(ResolverKind::kSlice, ResolverKind::kPaper),
+                         ResolverName);
+
+TEST(CoverageOfALine, Row05EdgeParallelToTheLine) {
   // f0 = 1 − t, f1 = t: above the line at all times, parallel to it at ½. The third vertex is above too.
   Case c;
   c.triangles.push_back(
@@ -26,7 +30,7 @@ TEST(Coverage, Row05EdgeParallelToTheLine) {
   }
 }
 
-TEST(Coverage, Row06EdgeInThePlaneForAnInstant) {
+TEST(CoverageOfALine, Row06EdgeInThePlaneForAnInstant) {
   // The edge turns about the point l = ½ of the line and lies in its plane at t = ½; the triangle is below
   // it. Its half of the line changes sides, its length does not.
   Case c;
@@ -38,7 +42,7 @@ TEST(Coverage, Row06EdgeInThePlaneForAnInstant) {
   EXPECT_TRUE(at_half == 0 || std::abs(at_half - 1) < 1e-6) << at_half;
 }
 
-TEST(Coverage, Row07SharedEdgeOnTheLine) {
+TEST_P(Coverage, Row07SharedEdgeOnTheLine) {
   // Two triangles share an edge that slides along a line sample. The line belongs to one of them.
   for (const double y : {0.125, 0.25, 0.375, 0.5, 0.75}) {
     Case c;
@@ -46,7 +50,7 @@ TEST(Coverage, Row07SharedEdgeOnTheLine) {
     c.triangles.push_back({{At(9, y), At(-9, y), At(0, -30)}, {At(14, y), At(-4, y), At(5, -30)}});
     for (const PatternKind pattern : kAllPatterns) {
       for (const int n : {1, 7, 64}) {
-        const Answer answer = Resolve(c, pattern, n);
+        const Answer answer = See(c, pattern, n);
         EXPECT_EQ(answer.sum, 1) << ToString(pattern) << ", y = " << y;
         EXPECT_EQ(answer.background, 0) << ToString(pattern) << ", y = " << y;
       }
@@ -55,7 +59,7 @@ TEST(Coverage, Row07SharedEdgeOnTheLine) {
   }
 }
 
-TEST(Coverage, Row08FanVertexOnTheLine) {
+TEST_P(Coverage, Row08FanVertexOnTheLine) {
   for (uint64_t seed = 1; seed <= 32; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
@@ -73,13 +77,12 @@ TEST(Coverage, Row08FanVertexOnTheLine) {
       const int j = (i + 1) % blades;
       c.triangles.push_back({{hub(0), rim(i, 0), rim(j, 0)}, {hub(1), rim(i, 1), rim(j, 1)}});
     }
-    for (const PatternKind pattern : kAllPatterns)
-      EXPECT_EQ(Resolve(c, pattern, 31).sum, 1) << ToString(pattern);
+    for (const PatternKind pattern : kAllPatterns) EXPECT_EQ(See(c, pattern, 31).sum, 1) << ToString(pattern);
     EXPECT_NEAR(LineCoverage(c, 0.5, 31), 1, 1e-12);
   }
 }
 
-TEST(Coverage, Row09EdgeOnTriangle) {
+TEST_P(Coverage, Row09EdgeOnTriangle) {
   // Projected onto a slanted straight line at all times, in front of a wall.
   for (uint64_t seed = 1; seed <= 32; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -92,14 +95,14 @@ TEST(Coverage, Row09EdgeOnTriangle) {
     c.triangles.push_back({{on_line(x[0], 0, 0.9), on_line(x[1], 0, 0.8), on_line(x[2], 0, 0.7)},
                            {on_line(x[0], 1, 0.9), on_line(x[1], 1, 0.8), on_line(x[2], 1, 0.7)}});
     AddRectangle(c, -3, -3, 3, 3, 0, 0, 0.5);
-    const Answer answer = Resolve(c, PatternKind::kRgls, 64);
+    const Answer answer = See(c, PatternKind::kRgls, 64);
     EXPECT_LE(answer.coverage[0], 1e-6);
     EXPECT_GE(answer.coverage[1] + answer.coverage[2], 1 - 1e-6);
     EXPECT_EQ(answer.background, 0);
   }
 }
 
-TEST(Coverage, Row10FacingFlip) {
+TEST_P(Coverage, Row10FacingFlip) {
   // A quad of width a·|1 − 2t| turns over at t = ½.
   for (const double a : {0.2, 0.7, 1.0}) {
     Case c;
@@ -110,28 +113,26 @@ TEST(Coverage, Row10FacingFlip) {
     for (const Variant& variant : VariantsThatKeepLines()) {
       SCOPED_TRACE(variant.Name());
       c.double_sided = true;
-      EXPECT_NEAR(Resolve(c, PatternKind::kRgls, 64, variant).sum, a / 2, 1e-4);
+      EXPECT_NEAR(See(c, PatternKind::kRgls, 64, variant).sum, a / 2, 1e-4);
       c.double_sided = false;
-      EXPECT_NEAR(Resolve(c, PatternKind::kRgls, 64, variant).sum, a / 4, 1.0 / 64);
-      EXPECT_NEAR(Resolve(c, PatternKind::kRgls, 4096, variant).sum, a / 4, 1e-3);
+      EXPECT_NEAR(See(c, PatternKind::kRgls, 64, variant).sum, a / 4, 1.0 / 64);
+      EXPECT_NEAR(See(c, PatternKind::kRgls, 4096, variant).sum, a / 4, 1e-3);
     }
   }
 }
 
-TEST(Coverage, Row10FrontIsCounterClockwiseAsSeen) {
+TEST_P(Coverage, Row10FrontIsCounterClockwiseAsSeen) {
   // Counter-clockwise to the eye, y down in raster space: left, bottom, right.
   Case c{.triangles = {}, .double_sided = false};
   const MovingTriangle front{{At(-50, -40), At(0, 60), At(50, -40)}, {At(-50, -40), At(0, 60), At(50, -40)}};
   c.triangles = {front};
-  for (const PatternKind pattern : kAllPatterns)
-    EXPECT_EQ(Resolve(c, pattern, 1).sum, 1) << ToString(pattern);
+  for (const PatternKind pattern : kAllPatterns) EXPECT_EQ(See(c, pattern, 1).sum, 1) << ToString(pattern);
   std::swap(c.triangles[0].open[1], c.triangles[0].open[2]);
   std::swap(c.triangles[0].close[1], c.triangles[0].close[2]);
-  for (const PatternKind pattern : kAllPatterns)
-    EXPECT_EQ(Resolve(c, pattern, 1).sum, 0) << ToString(pattern);
+  for (const PatternKind pattern : kAllPatterns) EXPECT_EQ(See(c, pattern, 1).sum, 0) << ToString(pattern);
 }
 
-TEST(Coverage, Row11DegenerateTriangles) {
+TEST_P(Coverage, Row11DegenerateTriangles) {
   Case c;
   const RasterPoint p = At(0.3, 0.4);
   const RasterPoint q = At(0.9, 0.8);
@@ -139,7 +140,7 @@ TEST(Coverage, Row11DegenerateTriangles) {
   c.triangles.push_back({{p, q, p}, {q, q, p}});
   c.triangles.push_back({{p, q, At(0.6, 0.6)}, {p, q, At(0.6, 0.6)}});
   for (const PatternKind pattern : kAllPatterns) {
-    for (const Variant& variant : AllVariants()) EXPECT_LE(Resolve(c, pattern, 16, variant).sum, 1e-6);
+    for (const Variant& variant : AllVariants()) EXPECT_LE(See(c, pattern, 16, variant).sum, 1e-6);
   }
 }
 
@@ -177,7 +178,7 @@ double PointSampled(const MovingTriangle& triangle, int samples) {
   return double(inside) / double(count);
 }
 
-TEST(Coverage, Row13VertexThatPassesTheCamera) {
+TEST_P(Coverage, Row13VertexThatPassesTheCamera) {
   for (uint64_t seed = 1; seed <= 32; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
@@ -194,13 +195,14 @@ TEST(Coverage, Row13VertexThatPassesTheCamera) {
     }
     Case c;
     c.triangles = {triangle};
-    const double seen = Resolve(c, PatternKind::k1h1v, 512).sum;
+    const double seen = See(c, PatternKind::k1h1v, 512).sum;
     EXPECT_TRUE(std::isfinite(seen));
-    EXPECT_NEAR(seen, PointSampled(triangle, 512), 6e-3);
+    // Patches: an outline may be off by 0.1 px, here along one or two lines of one pixel.
+    EXPECT_NEAR(seen, PointSampled(triangle, 512), GetParam() == ResolverKind::kPaper ? 2e-2 : 6e-3);
   }
 }
 
-TEST(Coverage, Row19CoplanarDuplicates) {
+TEST_P(Coverage, Row19CoplanarDuplicates) {
   for (const PatternKind pattern : kSymmetric) {
     for (const Variant& variant : AllVariants()) {
       SCOPED_TRACE(variant.Name());
@@ -208,7 +210,7 @@ TEST(Coverage, Row19CoplanarDuplicates) {
       const MovingTriangle triangle{{At(-3, -2, 0.3), At(4, -1, 0.6), At(0.5, 5, 0.5)},
                                     {At(-2, -2, 0.4), At(5, -1, 0.5), At(1.5, 5, 0.6)}};
       c.triangles = {triangle, triangle, triangle};
-      const Answer answer = Resolve(c, pattern, 16, variant);
+      const Answer answer = See(c, pattern, 16, variant);
       EXPECT_GT(answer.coverage[0], 0.5);
       EXPECT_EQ(answer.coverage[1], 0);
       EXPECT_EQ(answer.coverage[2], 0);
@@ -216,7 +218,7 @@ TEST(Coverage, Row19CoplanarDuplicates) {
   }
 }
 
-TEST(Coverage, Row20DepthsOneUlpApart) {
+TEST_P(Coverage, Row20DepthsOneUlpApart) {
   // Either may win, but the same in every pixel and for every cut into rectangles.
   const double depth = 0.5;
   const double above = std::nextafter(depth, 1.0);
@@ -226,9 +228,9 @@ TEST(Coverage, Row20DepthsOneUlpApart) {
         {RasterPoint{-100, -100, d, 1}, RasterPoint{200, -100, d, 1}, RasterPoint{0, 300, d, 1}});
   }
   const auto frame = builder.Build();
-  const ResolvedTile whole(*frame, {0, 0, 64, 64}, LineSettings(PatternKind::kRgls, 4));
+  const ResolvedTile whole(*frame, {0, 0, 64, 64}, With(PatternKind::kRgls, 4));
   for (const TileRect& rect : {TileRect{0, 0, 32, 32}, TileRect{32, 16, 8, 8}}) {
-    const ResolvedTile part(*frame, rect, LineSettings(PatternKind::kRgls, 4));
+    const ResolvedTile part(*frame, rect, With(PatternKind::kRgls, 4));
     for (int y = 0; y < rect.height; ++y) {
       for (int x = 0; x < rect.width; ++x) {
         for (const uint32_t id : {0u, 1u}) {
@@ -240,7 +242,7 @@ TEST(Coverage, Row20DepthsOneUlpApart) {
   }
 }
 
-TEST(Coverage, Row22TJunctionShowsItsGap) {
+TEST_P(Coverage, Row22TJunctionShowsItsGap) {
   // Two triangles meet a long edge at a vertex that misses it by delta: a real gap of delta·L/2.
   const double delta = 0.01;
   Case c;
@@ -256,11 +258,11 @@ TEST(Coverage, Row22TJunctionShowsItsGap) {
   // Within the pixel the gap is a band of y in [0, 1]: its width is delta·(1 − |y − ½| / 1.5).
   const double gap = delta * (1 - 0.25 / 1.5);
   // No vertical line of 4h4v runs through the band; the horizontal ones are half of the weight.
-  EXPECT_NEAR(Resolve(c, PatternKind::k4h4v, 1).background, gap / 2, gap / 20);
-  EXPECT_NEAR(Resolve(c, PatternKind::kRgls, 1).background, gap, gap / 10);
+  EXPECT_NEAR(See(c, PatternKind::k4h4v, 1).background, gap / 2, gap / 20);
+  EXPECT_NEAR(See(c, PatternKind::kRgls, 1).background, gap, gap / 10);
 }
 
-TEST(Coverage, Row36SmallTrianglesHideJointly) {
+TEST_P(Coverage, Row36SmallTrianglesHideJointly) {
   // 8 × 4 quads of two triangles each cover the pixel; none covers even one line alone.
   Case c;
   for (int i = 0; i < 8; ++i) {
@@ -269,14 +271,14 @@ TEST(Coverage, Row36SmallTrianglesHideJointly) {
   const size_t front = c.triangles.size();
   AddRectangle(c, -1, -1, 2, 2, 0.5, 0, 0.2);
   for (const PatternKind pattern : kAllPatterns) {
-    const Answer answer = Resolve(c, pattern, 16);
+    const Answer answer = See(c, pattern, 16);
     EXPECT_EQ(answer.coverage[front], 0);
     EXPECT_EQ(answer.coverage[front + 1], 0);
     EXPECT_EQ(answer.background, 0);
   }
 }
 
-TEST(Coverage, Row37HoleOfAThousandth) {
+TEST_P(Coverage, Row37HoleOfAThousandth) {
   for (uint64_t seed = 1; seed <= 32; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
@@ -285,19 +287,19 @@ TEST(Coverage, Row37HoleOfAThousandth) {
     AddRectangle(c, -5, -5, x, 5, 0, 0, 0.8);
     AddRectangle(c, x + 1e-3, -5, 5, 5, 0, 0, 0.8);
     AddRectangle(c, -5, -5, 5, 5, 1, 1, 0.2);
-    const Answer answer = Resolve(c, PatternKind::kRgls, 8);
+    const Answer answer = See(c, PatternKind::kRgls, 8);
     EXPECT_NEAR(answer.coverage[4] + answer.coverage[5], 1e-3, 1e-6);
     EXPECT_EQ(answer.background, 0);
   }
 }
 
-TEST(Coverage, Row42TouchesTheTileForAnInstant) {
+TEST_P(Coverage, Row42TouchesTheTileForAnInstant) {
   // The rectangle's edge arrives at the tile's left border at t = 1, or leaves it at t = 0.
   for (const double vx : {1.0, -1.0}) {
     Case c;
     AddRectangle(c, vx > 0 ? -6 : -5, -5, vx > 0 ? -1 : 0, 5, vx, 0);
     for (const PatternKind pattern : kAllPatterns) {
-      for (const int n : {1, 16, 1000}) EXPECT_EQ(Resolve(c, pattern, n).sum, 0);
+      for (const int n : {1, 16, 1000}) EXPECT_EQ(See(c, pattern, n).sum, 0);
     }
   }
 }

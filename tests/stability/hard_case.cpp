@@ -55,7 +55,18 @@ void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx
   AddQuad(c, corners(0, 0), corners(vx, vy));
 }
 
+RenderSettings SettingsOf(ResolverKind resolver, PatternKind pattern, int instants) {
+  RenderSettings settings = LineSettings(pattern, instants);
+  settings.resolver = resolver;
+  settings.time_cells = 1 + instants % 5;
+  return settings;
+}
+
 Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& variant) {
+  return Resolve(c, LineSettings(pattern, instants), variant);
+}
+
+Answer Resolve(const Case& c, const RenderSettings& settings, const Variant& variant) {
   FrameView view = OrthographicView(64, 64);
   FrameSceneBuilder builder(view);
   for (const MovingTriangle& triangle : c.triangles) {
@@ -74,7 +85,7 @@ Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& 
     builder.AddRasterTriangle(open, close, FlatLook{.double_sided = c.double_sided});
   }
   const TileRect tile{0, 0, 32, 32};
-  const ResolvedTile resolved(*builder.Build(), tile, LineSettings(pattern, instants));
+  const ResolvedTile resolved(*builder.Build(), tile, settings);
   Answer answer;
   for (uint32_t i = 0; i < c.triangles.size(); ++i) {
     answer.coverage.push_back(resolved.Coverage(variant.dx, variant.dy, i));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <functional>
@@ -53,6 +55,25 @@ struct Answer {
   double background = 0;
 };
 Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& variant = {});
+/// The same with the settings' pattern, resolver and what it takes.
+Answer Resolve(const Case& c, const RenderSettings& settings, const Variant& variant = {});
+
+/// Settings of a resolver with `instants` instants, or for those that have none, some number of time cells.
+RenderSettings SettingsOf(ResolverKind resolver, PatternKind pattern, int instants);
+
+/// A suite whose cases run for each resolver.
+class EachResolver : public testing::TestWithParam<ResolverKind> {
+ protected:
+  static RenderSettings With(PatternKind pattern, int instants) {
+    return SettingsOf(GetParam(), pattern, instants);
+  }
+  static Answer See(const Case& c, PatternKind pattern, int instants, const Variant& variant = {}) {
+    return Resolve(c, With(pattern, instants), variant);
+  }
+};
+inline std::string ResolverName(const testing::TestParamInfo<ResolverKind>& info) {
+  return std::string(ToString(info.param));
+}
 
 /// Coverage of the stretch [0, 1] of the line y = height, summed over all triangles and without hiding,
 /// by `instants` instants in the middle of their strata.

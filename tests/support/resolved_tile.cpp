@@ -9,6 +9,9 @@
 namespace shutterline::engine {
 
 ResolvedTile::ResolvedTile(const FrameScene& frame, const TileRect& rect, const RenderSettings& settings)
+    : ResolvedTile(frame, rect, *MakeResolver(settings)) {}
+
+ResolvedTile::ResolvedTile(const FrameScene& frame, const TileRect& rect, const Resolver& resolver)
     : rect_(rect) {
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame.primitives) {
@@ -16,7 +19,7 @@ ResolvedTile::ResolvedTile(const FrameScene& frame, const TileRect& rect, const 
   }
   std::vector<uint32_t> candidates(frame.triangles.size());
   std::iota(candidates.begin(), candidates.end(), 0u);
-  MakeResolver(settings)->Resolve({frame, traits, rect, candidates}, weights_, nullptr, stats_);
+  resolver.Resolve({frame, traits, rect, candidates}, weights_, nullptr, stats_);
 }
 
 uint64_t ResolvedTile::Weight(int x, int y, uint32_t triangle) const {

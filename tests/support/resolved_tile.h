@@ -7,6 +7,7 @@
 #include "worker/engine/render/stats.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/visibility/pair_weights.h"
+#include "worker/engine/visibility/resolver.h"
 #include "worker/engine/visibility/tile_triangles.h"
 
 namespace shutterline::engine {
@@ -17,6 +18,8 @@ class ResolvedTile {
  public:
   /// Resolves `rect` of `frame` with all its triangles as candidates.
   ResolvedTile(const FrameScene& frame, const TileRect& rect, const RenderSettings& settings);
+  /// The same by a resolver of the caller's.
+  ResolvedTile(const FrameScene& frame, const TileRect& rect, const Resolver& resolver);
 
   /// The weight of a triangle in a pixel of the rectangle, of total().
   uint64_t Weight(int x, int y, uint32_t triangle) const;

@@ -43,6 +43,7 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        [](auto& s, double v) { s.time_step = v; },
        {1e-3, 1, 1e6},
        {0, -1, 0.99e-3, 1.1e6, kNaN, kInfinity}},
+      {"time_cells", [](auto& s, double v) { s.time_cells = int(v); }, {1, 64}, {0, -1, 65}},
       {"time_samples", [](auto& s, double v) { s.time_samples = int(v); }, {1, 65536}, {0, -1, 65537}},
       {"motion_degree", [](auto& s, double v) { s.motion_degree = int(v); }, {1, 2, 3}, {0, -1, 4}},
       {"motion_pieces", [](auto& s, double v) { s.motion_pieces = int(v); }, {1, 2, 64}, {0, -2, 3, 65, 128}},
