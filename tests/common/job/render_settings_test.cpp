@@ -92,7 +92,7 @@ TEST(RenderSettings, WordRoundTrips) {
                                ParseReferenceLayout);
   ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls},
                            ParsePattern);
-  ExpectWords<ResolverKind>({ResolverKind::kSlice}, ParseResolver);
+  ExpectWords<ResolverKind>({ResolverKind::kSlice, ResolverKind::kPaper}, ParseResolver);
   ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);
   ExpectWords<ExrCompression>(
       {ExrCompression::kNone, ExrCompression::kZip, ExrCompression::kPiz, ExrCompression::kDwaa},
