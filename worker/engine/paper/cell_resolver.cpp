@@ -202,16 +202,38 @@ void CellResolver::ResolveByTree(size_t first, const Rectangle& region) {
             [](const CellPolygon& a, const CellPolygon& b) {
               return std::tie(b.nearest, b.farthest, a.id) < std::tie(a.nearest, a.farthest, b.id);
             });
-  const size_t mark = arena_.Mark();
-  depth_sort_.Clear();
-  for (size_t i = first; i < polygons_.size(); ++i) depth_sort_.Insert(polygons_[i], arena_);
   hidden_surface_.Clear();
   double free_area = region.Area();
-  depth_sort_.FrontToBack([&](const CellPolygon& p) {
+  const auto see = [&](const CellPolygon& p) {
     free_area -= hidden_surface_.Insert(p.polygon, p.index, arena_, fragments_);
     return free_area > kOnLine;  // Full: what follows is hidden.
-  });
-  arena_.Release(mark);
+  };
+  // Polygons whose depths are apart need no tree: cut the list where no range of depths reaches across. What
+  // is behind a full cell is then never sorted.
+  const size_t count = polygons_.size();
+  for (size_t begin = first; begin < count && free_area > kOnLine;) {
+    double farthest = polygons_[begin].farthest;
+    size_t end = begin + 1;
+    while (end < count && polygons_[end].nearest >= farthest) {
+      farthest = std::min(farthest, polygons_[end++].farthest);
+    }
+    const double nearest = polygons_[begin].nearest;
+    if (end == begin + 1) {
+      see(polygons_[begin]);
+    } else if (nearest - farthest <= kEqualDepth * std::abs(nearest)) {
+      // All equally far: by number.
+      std::sort(polygons_.begin() + ptrdiff_t(begin), polygons_.begin() + ptrdiff_t(end),
+                [](const CellPolygon& a, const CellPolygon& b) { return a.id < b.id; });
+      for (size_t i = begin; i < end && see(polygons_[i]);) ++i;
+    } else {
+      const size_t mark = arena_.Mark();
+      depth_sort_.Clear();
+      for (size_t i = begin; i < end; ++i) depth_sort_.Insert(polygons_[i], arena_);
+      depth_sort_.FrontToBack(see);
+      arena_.Release(mark);
+    }
+    begin = end;
+  }
 }
 
 }  // namespace shutterline::engine::paper
