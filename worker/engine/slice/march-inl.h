@@ -29,7 +29,15 @@ class Marcher {
   using FloatMask = hn::Mask<Floats>;
 
   HWY_INLINE Marcher(const SegmentLists& lists, const uint32_t* ids, int base)
-      : lists_(lists), ids_(ids), base_(base), lane_(hn::Iota(Ints(), base)) {}
+      : begin_(lists.begin.data()),
+        end_(lists.end.data()),
+        depth_(lists.depth.data()),
+        slope_(lists.slope.data()),
+        index_(reinterpret_cast<const int32_t*>(lists.index.data())),
+        ids_(reinterpret_cast<const int32_t*>(ids)),
+        rows_(lists.rows),
+        base_(base),
+        lane_(hn::Iota(Ints(), base)) {}
 
   /// Marches the lanes from x to their limits; writes row after row of `pieces` and returns their number.
   HWY_INLINE int32_t Run(IntsV x, IntsV limit, VisiblePieces& pieces) {
@@ -49,7 +57,7 @@ class Marcher {
       Change change{end, none};            // What becomes visible before the current one ends.
       Candidate after{end, lowest, none};  // The nearest there where it ends.
       Candidate gap{limit, lowest, none};  // The first that begins later.
-      for (int32_t r = 0; r < lists_.rows; ++r) Visit(r, x, end, current, change, after, gap);
+      for (int32_t r = 0; r < rows_; ++r) Visit(r, x, end, current, change, after, gap);
 
       pieces.Reserve(written);
       const size_t at = size_t(written++) * kLanes + size_t(base_);
@@ -101,9 +109,8 @@ class Marcher {
     const Ints di;
     const Floats df;
     const auto at = AddressOf(entry);
-    Segment s{hn::GatherIndex(di, lists_.begin.data(), at), hn::GatherIndex(di, lists_.end.data(), at),
-              hn::GatherIndex(df, lists_.depth.data(), at), hn::GatherIndex(df, lists_.slope.data(), at),
-              entry};
+    Segment s{hn::GatherIndex(di, begin_, at), hn::GatherIndex(di, end_, at), hn::GatherIndex(df, depth_, at),
+              hn::GatherIndex(df, slope_, at), entry};
     s.begin = hn::IfThenElse(finished, x, s.begin);
     s.end = hn::IfThenElse(finished, x, s.end);
     s.depth = hn::IfThenElse(F(finished), hn::Set(df, -std::numeric_limits<float>::infinity()), s.depth);
@@ -117,12 +124,10 @@ class Marcher {
     const Ints di;
     const Ids du;
     const auto at = AddressOf(other);
-    const auto other_slope = hn::GatherIndex(Floats(), lists_.slope.data(), at);
-    const auto* index = reinterpret_cast<const int32_t*>(lists_.index.data());
-    const auto* ids = reinterpret_cast<const int32_t*>(ids_);
-    const auto other_id = hn::BitCast(du, hn::GatherIndex(di, ids, hn::GatherIndex(di, index, at)));
-    const auto own = hn::LoadU(di, index + size_t(r) * kLanes + size_t(base_));
-    const auto lower = hn::RebindMask(di, hn::Lt(hn::BitCast(du, hn::GatherIndex(di, ids, own)), other_id));
+    const auto other_slope = hn::GatherIndex(Floats(), slope_, at);
+    const auto other_id = hn::BitCast(du, hn::GatherIndex(di, ids_, hn::GatherIndex(di, index_, at)));
+    const auto own = hn::LoadU(di, index_ + size_t(r) * kLanes + size_t(base_));
+    const auto lower = hn::RebindMask(di, hn::Lt(hn::BitCast(du, hn::GatherIndex(di, ids_, own)), other_id));
     return hn::Or(I(hn::Gt(slope, other_slope)), hn::And(I(hn::Eq(slope, other_slope)), lower));
   }
 
@@ -131,10 +136,10 @@ class Marcher {
     const Ints di;
     const Floats df;
     const size_t at = size_t(r) * kLanes + size_t(base_);
-    const auto b = hn::LoadU(di, lists_.begin.data() + at);
-    const auto e = hn::LoadU(di, lists_.end.data() + at);
-    const auto depth = hn::LoadU(df, lists_.depth.data() + at);
-    const auto slope = hn::LoadU(df, lists_.slope.data() + at);
+    const auto b = hn::LoadU(di, begin_ + at);
+    const auto e = hn::LoadU(di, end_ + at);
+    const auto depth = hn::LoadU(df, depth_ + at);
+    const auto slope = hn::LoadU(df, slope_ + at);
     const auto entry = hn::Set(di, r);
 
     // Where the current one ends, or this one before.
@@ -213,8 +218,14 @@ class Marcher {
     change.entry = hn::IfThenElse(better, hn::Set(di, r), change.entry);
   }
 
-  const SegmentLists& lists_;
-  const uint32_t* ids_;
+  // The lists, as they are when the march begins.
+  const int32_t* begin_;
+  const int32_t* end_;
+  const float* depth_;
+  const float* slope_;
+  const int32_t* index_;
+  const int32_t* ids_;
+  int32_t rows_;
   int base_;
   IntsV lane_;
 };

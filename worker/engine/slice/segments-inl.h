@@ -45,17 +45,41 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
   alignas(64) float depth[kLanes], slope[kLanes];
   uint32_t open[kMaxLinePixels];  // By stretch: the lanes on which the triangle at hand is not hidden.
 
-  for (size_t m = first; m < placed.met.size(); ++m) {
-    const size_t j = placed.met[m];
-    const int from = placed.first_lane[j];
-    const int to = placed.last_lane[j];
+  // Pointers of their own: what is appended cannot change them, which the compiler does not know.
+  const double* const row_a = placed.row_a.data();
+  const double* const row_b = placed.row_b.data();
+  const double* const inverse_ac = placed.inverse_ac.data();
+  const double* const inverse_ab = placed.inverse_ab.data();
+  const double* const inverse_bc = placed.inverse_bc.data();
+  const double* const position_a = placed.position_a.data();
+  const double* const position_ac = placed.position_ac.data();
+  const double* const position_ab = placed.position_ab.data();
+  const double* const position_b = placed.position_b.data();
+  const double* const position_bc = placed.position_bc.data();
+  const float* const depth_a = placed.depth_a.data();
+  const float* const depth_ac = placed.depth_ac.data();
+  const float* const depth_ab = placed.depth_ab.data();
+  const float* const depth_b = placed.depth_b.data();
+  const float* const depth_bc = placed.depth_bc.data();
+  const float* const nearest = placed.nearest.data();
+  const int32_t* const first_lane = placed.first_lane.data();
+  const int32_t* const last_lane = placed.last_lane.data();
+  const int32_t* const least = placed.least.data();
+  const int32_t* const most = placed.most.data();
+  const uint32_t* const met = placed.met.data();
+  const size_t met_count = placed.met.size();
+
+  for (size_t m = first; m < met_count; ++m) {
+    const size_t j = met[m];
+    const int from = first_lane[j];
+    const int to = last_lane[j];
     const uint32_t lanes = (uint32_t{2} << to) - (uint32_t{1} << from);
-    const int first_stretch = placed.least[j] >> shift;
-    const int last_stretch = placed.most[j] >> shift;
-    const float nearest = placed.nearest[j] * kFloatDepthSlack;
+    const int first_stretch = least[j] >> shift;
+    const int last_stretch = most[j] >> shift;
+    const float triangle_nearest = nearest[j] * kFloatDepthSlack;
     uint32_t open_anywhere = 0;
     for (int k = first_stretch; k <= last_stretch; ++k) {
-      open[k] = lanes & ~LanesAbove(stretches.hidden_below[size_t(k)], nearest);
+      open[k] = lanes & ~LanesAbove(stretches.hidden_below[size_t(k)], triangle_nearest);
       open_anywhere |= open[k];
     }
     if (open_anywhere == 0) continue;
@@ -63,21 +87,20 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
     for (int base = from / n * n; base <= to; base += n) {
       const auto lane = hn::Iota(d, double(base));
       // The edge from the lowest to the highest corner, and the one of the two others that is met here.
-      const auto u = hn::Mul(hn::Sub(lane, hn::Set(d, placed.row_a[j])), hn::Set(d, placed.inverse_ac[j]));
-      const auto long_position =
-          hn::Add(hn::Set(d, placed.position_a[j]), hn::Mul(u, hn::Set(d, placed.position_ac[j])));
+      const auto u = hn::Mul(hn::Sub(lane, hn::Set(d, row_a[j])), hn::Set(d, inverse_ac[j]));
+      const auto long_position = hn::Add(hn::Set(d, position_a[j]), hn::Mul(u, hn::Set(d, position_ac[j])));
       const auto long_depth =
-          hn::Add(hn::Set(d, double(placed.depth_a[j])), hn::Mul(u, hn::Set(d, double(placed.depth_ac[j]))));
-      const auto row_b = hn::Set(d, placed.row_b[j]);
-      const auto upper = hn::Gt(lane, row_b);
+          hn::Add(hn::Set(d, double(depth_a[j])), hn::Mul(u, hn::Set(d, double(depth_ac[j]))));
+      const auto middle = hn::Set(d, row_b[j]);
+      const auto upper = hn::Gt(lane, middle);
       const auto pick = [&](double above, double below)
                             HWY_ATTR { return hn::IfThenElse(upper, hn::Set(d, above), hn::Set(d, below)); };
-      const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, row_b, hn::Set(d, placed.row_a[j]))),
-                             pick(placed.inverse_bc[j], placed.inverse_ab[j]));
-      const auto short_position = hn::Add(pick(placed.position_b[j], placed.position_a[j]),
-                                          hn::Mul(v, pick(placed.position_bc[j], placed.position_ab[j])));
-      const auto short_depth = hn::Add(pick(placed.depth_b[j], placed.depth_a[j]),
-                                       hn::Mul(v, pick(placed.depth_bc[j], placed.depth_ab[j])));
+      const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, middle, hn::Set(d, row_a[j]))),
+                             pick(inverse_bc[j], inverse_ab[j]));
+      const auto short_position =
+          hn::Add(pick(position_b[j], position_a[j]), hn::Mul(v, pick(position_bc[j], position_ab[j])));
+      const auto short_depth =
+          hn::Add(pick(depth_b[j], depth_a[j]), hn::Mul(v, pick(depth_bc[j], depth_ab[j])));
 
       const auto long_first = hn::Le(long_position, short_position);
       const auto low = hn::Min(long_position, short_position);
@@ -114,7 +137,7 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
     }
     if (full) return m + 1;
   }
-  return placed.met.size();
+  return met_count;
 }
 
 }  // namespace HWY_NAMESPACE
