@@ -210,7 +210,7 @@ class TileResolution {
 ScalarResolver::ScalarResolver(const RenderSettings& settings)
     : pattern_(LinePattern::Get(settings.pattern)), time_samples_(settings) {}
 
-void ScalarResolver::Resolve(const TileInput& input, PairWeights& weights, FlatFilm* flat,
+void ScalarResolver::Resolve(const TileInput& input, PairWeights& weights, ColorFilm* flat,
                              RenderStats& stats) const {
   SL_CHECK(input.rect.width <= kMaxLinePixels && input.rect.height <= kMaxLinePixels);
   if (flat != nullptr) flat->Reset(input.rect.Area());

@@ -14,7 +14,7 @@ class ScalarResolver final : public Resolver {
  public:
   explicit ScalarResolver(const RenderSettings& settings);
 
-  void Resolve(const TileInput& tile, PairWeights& weights, FlatFilm* flat,
+  void Resolve(const TileInput& tile, PairWeights& weights, ColorFilm* flat,
                RenderStats& stats) const override;
 
  private:

@@ -21,7 +21,7 @@ namespace {
 using Weights = std::map<std::pair<int64_t, uint32_t>, double>;
 
 Weights WeightsBy(const Resolver& resolver, const FrameScene& frame, const std::vector<uint32_t>& candidates,
-                  FlatFilm* flat = nullptr) {
+                  ColorFilm* flat = nullptr) {
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame.primitives) {
     traits.push_back({.cull_back = !primitive.material->double_sided});
@@ -94,7 +94,10 @@ TEST(ResolverSlice, FilmAndPairsHoldTheSameCoverage) {
     const auto frame = RandomSoup(seed, 120);
     const ResolverSlice resolver(LineSettings(PatternKind::kRgls, 8));
     // One colour for each triangle: the film's sums are then sums of weights.
-    FlatFilm flat([](uint32_t triangle) { return V3f(triangle % 2 == 0 ? 1 : 0, 1, 0); });
+    ColorFilm flat([](uint32_t triangle) {
+      const V3f color(triangle % 2 == 0 ? 1 : 0, 1, 0);
+      return std::array{color, color, color};
+    });
     WeightsBy(resolver, *frame, AllOf(*frame), &flat);
     const Weights pairs = WeightsBy(resolver, *frame, AllOf(*frame));
     std::vector<std::array<double, 2>> expected(32 * 32, {0, 0});

@@ -28,13 +28,17 @@ Result ResolveSoup(uint64_t seed, bool curved) {
   const auto frame = RandomSoup(seed, 150, curved);
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame->primitives) {
-    traits.push_back({.cull_back = !primitive.material->double_sided,
-                      .needs_position = !primitive.source->colors.empty()});
+    traits.push_back({.cull_back = !primitive.material->double_sided, .needs_position = true});
   }
   std::vector<uint32_t> candidates(frame->triangles.size());
   std::iota(candidates.begin(), candidates.end(), 0u);
   PairWeights weights;
-  FlatFilm flat([](uint32_t triangle) { return V3f(1.0f / float(triangle + 1), 0.5f, 0.25f); });
+  ColorFilm flat([](uint32_t triangle) -> ColorFilm::CornerColors {
+    // Constant, linear or apart.
+    const V3f color(1.0f / float(triangle + 1), 0.5f, 0.25f);
+    if (triangle % 3 == 2) return std::nullopt;
+    return std::array{color, color, triangle % 3 == 0 ? color : V3f(0, 1, 0)};
+  });
   RenderStats stats;
   ResolverSlice(LineSettings(PatternKind::kRgls, 16))
       .Resolve({*frame, traits, {0, 0, 32, 32}, candidates}, weights, &flat, stats);

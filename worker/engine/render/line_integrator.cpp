@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "common/base/check.h"
@@ -100,15 +102,32 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
-  FlatFilm flat([this](uint32_t triangle) { return Shade(*frame_, triangle, {}, {}); });
-  resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &flat, stats);
+  ColorFilm film([this](uint32_t triangle) { return CornerColors(triangle); });
+  resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
-  ShadePixels(part, weights, flat, rect, rgba, stats);
+  ShadePixels(part, weights, film, rect, rgba, stats);
   timer.Lap(stats.shade_seconds);
 }
 
-void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const FlatFilm& flat,
+ColorFilm::CornerColors LineIntegrator::CornerColors(uint32_t triangle) const {
+  const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
+  if (traits.textured) return std::nullopt;
+  const auto shade = [&](double b1, double b2) { return Shade(*frame_, triangle, {b1, b2}, {}); };
+  const V3f first = shade(0, 0);
+  if (!traits.needs_position) return std::array{first, first, first};
+  // Linear enough, if it is in the middle: shading without textures is smooth.
+  const std::array<V3f, 3> corners{first, shade(1, 0), shade(0, 1)};
+  const V3f mean = (corners[0] + corners[1] + corners[2]) / 3.0f;
+  const V3f difference = shade(1.0 / 3, 1.0 / 3) - mean;
+  constexpr float kTolerance = 2e-3f;
+  for (int c = 0; c < 3; ++c) {
+    if (!(std::abs(difference[c]) < kTolerance * std::max(1.0f, mean[c]))) return std::nullopt;
+  }
+  return corners;
+}
+
+void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
                                  const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
   std::vector<Contribution> contributions;
   for (int y = 0; y < part.height; ++y) {
@@ -127,16 +146,16 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         covered += pair.weight;
         contributions.push_back({pair.weight, Shade(*frame_, pair.triangle, at, footprint)});
       });
-      const std::array<double, 4>& flat_sum = flat.At(int64_t{y} * part.width + x);
-      covered += uint64_t(flat_sum[3]);
+      const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
+      covered += uint64_t(film_sum[3]);
       SL_CHECK(covered <= weights.total());
       stats.pairs += int64_t(contributions.size());
 
       // Sum them in an order of their own, over the background, which is nothing.
       std::sort(contributions.begin(), contributions.end(), CanonicalOrder);
-      double r = flat_sum[0];
-      double g = flat_sum[1];
-      double b = flat_sum[2];
+      double r = film_sum[0];
+      double g = film_sum[1];
+      double b = film_sum[2];
       for (const Contribution& c : contributions) {
         r += double(c.weight) * double(c.color.x);
         g += double(c.weight) * double(c.color.y);

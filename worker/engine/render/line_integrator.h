@@ -25,9 +25,11 @@ class LineIntegrator final : public TileIntegrator {
   LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
                  std::unique_ptr<const Bvh> bvh);
 
+  /// The colours at a triangle's corners, if they say what it looks like in between.
+  ColorFilm::CornerColors CornerColors(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
                   RenderStats& stats) const;
-  void ShadePixels(const TileRect& part, const PairWeights& weights, const FlatFilm& flat,
+  void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
                    const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;
 
   std::shared_ptr<const FrameScene> frame_;

@@ -261,7 +261,8 @@ void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const V
 
 void GroupResolver::AddPiece(int lane, int32_t begin, int32_t end, uint32_t index, double t, int64_t weight) {
   ++stats_->spans;
-  if (sums_->IsFlat(index)) {
+  const ColorKind kind = sums_->KindOf(index);
+  if (kind == ColorKind::kConstant) {
     sums_->AddFlat(begin, end, index);
     return;
   }
@@ -270,6 +271,7 @@ void GroupResolver::AddPiece(int lane, int32_t begin, int32_t end, uint32_t inde
   if (triangle.needs_position) {
     position = (triangle.moves ? moving_stratum_ : static_stratum_).PositionOn(index, lane);
   }
+  if (kind == ColorKind::kLinear && sums_->AddLinear(begin, end, index, position)) return;
   const auto bin = uint16_t(t * double(1u << triangle.shading_bins_log2));
   sums_->AddApart(lane, begin, end, index, bin, weight, position);
 }

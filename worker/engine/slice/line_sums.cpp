@@ -1,36 +1,106 @@
 #include "worker/engine/slice/line_sums.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace shutterline::engine {
 
+namespace {
+
+/// Colours are taken as one where they differ by less than this over a triangle, and as linear along a piece
+/// where perspective bends them by less: far below what eight bits show.
+constexpr double kColorTolerance = 1e-3;
+
+}  // namespace
+
 void LineSums::BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights,
-                         FlatFilm* flat) {
+                         ColorFilm* film) {
   mesh_ = &mesh;
   pattern_ = &pattern;
   weights_ = &weights;
-  flat_ = flat;
-  if (flat == nullptr) return;
-  colors_.resize(std::max(colors_.size(), mesh.triangles().size()));
-  known_.assign(mesh.triangles().size(), 0);
+  film_ = film;
+  if (film == nullptr) return;
+  const size_t count = mesh.triangles().size();
+  kinds_.assign(count, ColorKind::kUnknown);
+  if (colors_.size() >= count) return;
+  colors_.resize(count);
+  corner_colors_.resize(count);
+  color_ranges_.resize(count);
 }
 
 void LineSums::BeginGroup(const LineGroup& group) {
   group_ = &group;
-  if (flat_ == nullptr) return;
-  for (int lane = 0; lane < group.lanes; ++lane) lane_sums_[size_t(lane)].fill({0, 0, 0, 0});
+  if (film_ == nullptr) return;
+  for (int lane = 0; lane < group.lanes; ++lane) {
+    lane_sums_[size_t(lane)].fill({0, 0, 0, 0});
+    lane_shares_[size_t(lane)].fill({0, 0, 0, 0});
+  }
 }
 
 void LineSums::Shade(uint32_t index) {
-  const V3f color = flat_->Shade(mesh_->triangles()[index].id);
-  colors_[index] = {double(color.x), double(color.y), double(color.z), 1};
-  known_[index] = 1;
+  const ColorFilm::CornerColors corners = film_->Shade(mesh_->triangles()[index].id);
+  if (!corners) {
+    kinds_[index] = ColorKind::kApart;
+    return;
+  }
+  double range = 0;
+  Color mean{0, 0, 0, 1};
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t c = 0; c < 3; ++c) {
+      corner_colors_[index][i][c] = double((*corners)[i][int(c)]);
+      range = std::max(range, std::abs(double((*corners)[i][int(c)]) - double((*corners)[0][int(c)])));
+      mean[c] += corner_colors_[index][i][c] / 3;
+    }
+    corner_colors_[index][i][3] = 1;
+  }
+  color_ranges_[index] = range;
+  if (range == 0) mean = corner_colors_[index][0];
+  colors_[index] = mean;
+  kinds_[index] = range < kColorTolerance ? ColorKind::kConstant : ColorKind::kLinear;
+}
+
+bool LineSums::AddLinear(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
+  const double from = begin * (1.0 / kSubpixelsPerPixel);
+  const double to = end * (1.0 / kSubpixelsPerPixel);
+  const double over_from = position.at[2] + position.per_pixel[2] * from;
+  const double over_to = position.at[2] + position.per_pixel[2] * to;
+  // With 1/w at the ends in the ratio 1 + r, the middle of the piece is off by about r / 4 of its length.
+  if (!(std::abs(over_to - over_from) * color_ranges_[index] <
+        4 * kColorTolerance * std::min(over_from, over_to))) {
+    return false;
+  }
+  const std::array<Color, 3>& corners = corner_colors_[index];
+  const auto color_at = [&](double l, double over) {
+    // Rounding must not leave the triangle.
+    const double b1 = std::clamp((position.at[0] + position.per_pixel[0] * l) / over, 0.0, 1.0);
+    const double b2 = std::clamp((position.at[1] + position.per_pixel[1] * l) / over, 0.0, 1 - b1);
+    Color color;
+    for (size_t c = 0; c < 3; ++c) {
+      color[c] = (1 - b1 - b2) * corners[0][c] + b1 * corners[1][c] + b2 * corners[2][c];
+    }
+    color[3] = 1;
+    return color;
+  };
+  const Color first = color_at(from, over_from);
+  const Color last = color_at(to, over_to);
+  const double scale = 0.5 / double(end - begin);
+  for (int32_t at = begin; at < end;) {
+    const int step = at >> kSubpixelBits;
+    const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
+    // The colour in the middle of the part, which is its mean.
+    const double s = (double(at - begin) + double(next - begin)) * scale;
+    const double weight = weight_ * double(next - at);
+    Color& share = shares_of_lane_[step];
+    for (size_t c = 0; c < 4; ++c) share[c] += weight * (first[c] + s * (last[c] - first[c]));
+    at = next;
+  }
+  return true;
 }
 
 void LineSums::EndGroup(int64_t weight_of_instant) {
   for (int lane = 0; lane < group_->lanes; ++lane) {
-    if (flat_ != nullptr) FlushFlat(lane, weight_of_instant);
+    if (film_ != nullptr) FlushColors(lane, weight_of_instant);
     if (!apart_[size_t(lane)].empty()) FlushApart(lane, weight_of_instant);
   }
 }
@@ -41,18 +111,18 @@ int64_t LineSums::PixelOf(int lane, int step) const {
                             : int64_t{step} * mesh_->rect().width + minor;
 }
 
-void LineSums::FlushFlat(int lane, int64_t weight_of_instant) {
+void LineSums::FlushColors(int lane, int64_t weight_of_instant) {
   const TileLine& line = group_->lines[size_t(lane)];
   Color sum{0, 0, 0, 0};
   for (int step = line.first_step; step < line.end_step; ++step) {
     const Color& change = lane_sums_[size_t(lane)][size_t(step)];
     for (size_t c = 0; c < 4; ++c) sum[c] += change[c];
-    if (sum[3] == 0) {
-      sum = {0, 0, 0, 0};  // Nothing is there: drop what rounding has left of the radiance.
-      continue;
-    }
-    Color& pixel = flat_->At(PixelOf(lane, step));
-    for (size_t c = 0; c < 4; ++c) pixel[c] += sum[c] * double(weight_of_instant);
+    // Where nothing is, drop what rounding has left of the radiance.
+    if (sum[3] == 0) sum = {0, 0, 0, 0};
+    const Color& share = lane_shares_[size_t(lane)][size_t(step)];
+    if (sum[3] + share[3] == 0) continue;
+    Color& pixel = film_->At(PixelOf(lane, step));
+    for (size_t c = 0; c < 4; ++c) pixel[c] += (sum[c] + share[c]) * double(weight_of_instant);
   }
 }
 

@@ -7,7 +7,7 @@
 #include "common/math/tolerance.h"
 #include "worker/engine/slice/line_group.h"
 #include "worker/engine/slice/tile_mesh.h"
-#include "worker/engine/visibility/flat_film.h"
+#include "worker/engine/visibility/color_film.h"
 #include "worker/engine/visibility/pair_weights.h"
 
 namespace shutterline::engine {
@@ -18,32 +18,45 @@ struct LinePosition {
   std::array<double, 3> at{1.0 / 3, 1.0 / 3, 1}, per_pixel{0, 0, 0};
 };
 
+/// How a triangle's colour is known.
+enum class ColorKind : uint8_t {
+  kUnknown,   ///< Not looked at yet.
+  kConstant,  ///< One colour.
+  kLinear,    ///< Linear between its corners.
+  kApart,     ///< By shading each of its pixels: it is kept apart.
+};
+
 /// What a group's lines see, gathered over the instants before it goes to the pixels.
 ///
 /// What has one colour is noted at the boundaries between visible pieces, as a change of colour: a price that
 /// does not depend on a piece's length or on the number of triangles that a pixel sees; a sum along the line
-/// gives the pixels' shares at the end. Coverage goes the same way, in integers. Other pieces are kept until
-/// the group is done, then gathered by triangle.
+/// gives the pixels' shares at the end. Linear colours are integrated pixel by pixel. Coverage goes the same
+/// way, in integers. Other pieces are kept until the group is done, then gathered by triangle.
 class LineSums {
  public:
-  /// Begins a tile. `flat` may be null: everything is kept apart by triangle then.
-  void BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights, FlatFilm* flat);
+  /// Begins a tile. `film` may be null: everything is kept apart by triangle then.
+  void BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights, ColorFilm* film);
 
   void BeginGroup(const LineGroup& group);
 
-  /// True if the triangle (of the tile's mesh) only adds its colour.
-  bool IsFlat(uint32_t index) const { return flat_ != nullptr && !mesh_->triangles()[index].needs_position; }
+  /// Of a triangle of the tile's mesh, which is shaded when it is first seen.
+  ColorKind KindOf(uint32_t index) {
+    if (film_ == nullptr) return ColorKind::kApart;
+    if (kinds_[index] == ColorKind::kUnknown) Shade(index);
+    return kinds_[index];
+  }
 
   /// Adds pieces of one lane in ascending order, which do not overlap: Begin, then pieces, then End.
   /// `weight` counts instants.
   void BeginLane(int lane, double weight) {
     sums_ = lane_sums_[size_t(lane)].data();
+    shares_of_lane_ = lane_shares_[size_t(lane)].data();
     weight_ = weight;
     color_ = nullptr;
     end_ = 0;
   }
   void AddFlat(int32_t begin, int32_t end, uint32_t index) {
-    const Color& color = ColorOf(index);
+    const Color& color = colors_[index];
     if (color_ == &color && begin == end_) {
       end_ = end;
       return;
@@ -61,6 +74,8 @@ class LineSums {
     color_ = &color;
     end_ = end;
   }
+  /// False if the colour, though linear on the triangle, is not on the piece, because of perspective.
+  bool AddLinear(int32_t begin, int32_t end, uint32_t index, const LinePosition& position);
   void EndLane() {
     if (color_ == nullptr) return;
     Color change;
@@ -93,11 +108,6 @@ class LineSums {
     std::array<double, 3> position{};
   };
 
-  /// The colour of a triangle, shaded when it is first seen.
-  const Color& ColorOf(uint32_t index) {
-    if (known_[index] == 0) Shade(index);
-    return colors_[index];
-  }
   void Shade(uint32_t index);
 
   /// From subpixel x on the line's colour is another.
@@ -110,7 +120,7 @@ class LineSums {
     for (size_t c = 0; c < 4; ++c) sums[1][c] += change[c] * in_next;
   }
 
-  void FlushFlat(int lane, int64_t weight_of_instant);
+  void FlushColors(int lane, int64_t weight_of_instant);
   void FlushApart(int lane, int64_t weight_of_instant);
   void FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t weight_of_instant);
   int64_t PixelOf(int lane, int step) const;
@@ -118,17 +128,22 @@ class LineSums {
   const TileMesh* mesh_ = nullptr;
   const LinePattern* pattern_ = nullptr;
   PairWeights* weights_ = nullptr;
-  FlatFilm* flat_ = nullptr;
+  ColorFilm* film_ = nullptr;
   const LineGroup* group_ = nullptr;
 
-  std::vector<Color> colors_;   // By triangle of the mesh.
-  std::vector<uint8_t> known_;  // By triangle of the mesh.
-  /// By lane and step: differences along the line.
+  // By triangle of the mesh; the latter two where its colour is linear.
+  std::vector<ColorKind> kinds_;
+  std::vector<Color> colors_;
+  std::vector<std::array<Color, 3>> corner_colors_;
+  std::vector<double> color_ranges_;
+  /// By lane and step: differences along the line, and what is added to single steps.
   std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
+  std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_;
   std::array<std::vector<Piece>, kLanes> apart_;
 
   // The lane in hand.
   Color* sums_ = nullptr;
+  Color* shares_of_lane_ = nullptr;
   const Color* color_ = nullptr;
   double weight_ = 0;
   int32_t end_ = 0;

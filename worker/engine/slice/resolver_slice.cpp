@@ -16,7 +16,7 @@ std::unique_ptr<ResolverSlice::Workspace> ResolverSlice::TakeWorkspace() const {
   return workspace;
 }
 
-void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, FlatFilm* flat,
+void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFilm* flat,
                             RenderStats& stats) const {
   SL_CHECK(tile.rect.width <= kMaxLinePixels && tile.rect.height <= kMaxLinePixels);
   const auto line_weight = uint64_t(time_samples_.WeightPerLine()) * uint64_t{kSubpixelsPerPixel};

@@ -26,7 +26,7 @@ class ResolverSlice final : public Resolver {
  public:
   explicit ResolverSlice(const RenderSettings& settings);
 
-  void Resolve(const TileInput& tile, PairWeights& weights, FlatFilm* flat,
+  void Resolve(const TileInput& tile, PairWeights& weights, ColorFilm* flat,
                RenderStats& stats) const override;
 
  private:

@@ -97,6 +97,7 @@ void Stratum::Build(const TileMesh& mesh, const LineGroup& group, std::span<cons
   for (size_t i = 0; i < straight_.size(); ++i) LoadStraight(i, mesh.vertices()[straight_[i]]);
   next_piece_at_ = curved_.empty() ? 2 : -1;
   placed_.Resize(Padded(triangles_.count));
+  planes_.assign(triangles_.count, {});
   if (placed_vertices_.size() < size + kPad) placed_vertices_.Resize(size + kPad);
 }
 
@@ -138,6 +139,7 @@ void Stratum::LoadPieces() {
 
 void Stratum::BeginInstant(double t) {
   t_ = t;
+  ++instant_;
   next_block_ = 0;
   if (t >= next_piece_at_) LoadPieces();
 }
@@ -212,25 +214,29 @@ void Stratum::ClipTriangles() {
   PlaceTriangles(clipped_, 0, clipped_.count, placed_vertices_, t_, group_->lanes, length_, clipped_placed_);
 }
 
-LinePosition Stratum::PositionOn(uint32_t index, int lane) const {
+LinePosition Stratum::PositionOn(uint32_t index, int lane) {
   const uint32_t j = triangle_of_[index];
-  // Homogeneous edge functions: with corners V_i = (row w, position w, w), V_j × V_k is zero along the edge
-  // jk, and over the determinant it is the barycentric coordinate of corner i over w.
-  std::array<V3d, 3> corner;
-  for (size_t i = 0; i < 3; ++i) {
-    const auto at = HomogeneousAt(size_t(triangles_.vertex[i][j]));
-    corner[i] = {at[0], at[1], at[3]};
+  Plane& plane = planes_[j];
+  if (plane.instant != instant_) {
+    plane.instant = instant_;
+    // Homogeneous edge functions: with corners V_i = (row w, position w, w), V_j × V_k is zero along the edge
+    // jk, and over the determinant it is the barycentric coordinate of corner i over w.
+    std::array<V3d, 3> corner;
+    for (size_t i = 0; i < 3; ++i) {
+      const auto at = HomogeneousAt(size_t(triangles_.vertex[i][j]));
+      corner[i] = {at[0], at[1], at[3]};
+    }
+    const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
+                                  corner[0].cross(corner[1])};
+    const double inverse = 1 / corner[0].dot(edge[0]);
+    plane.edge_on = !std::isfinite(inverse);
+    plane.over_w = {edge[1] * inverse, edge[2] * inverse, (edge[0] + edge[1] + edge[2]) * inverse};
   }
-  const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
-                                corner[0].cross(corner[1])};
-  const double inverse = 1 / corner[0].dot(edge[0]);
   LinePosition position;
-  if (!std::isfinite(inverse)) return position;  // Edge-on: any place will do.
-  const V3d sum = edge[0] + edge[1] + edge[2];
-  const std::array<V3d, 3> wanted{edge[1], edge[2], sum};
+  if (plane.edge_on) return position;  // Any place will do.
   for (size_t c = 0; c < 3; ++c) {
-    position.at[c] = (wanted[c].x * lane + wanted[c].z) * inverse;
-    position.per_pixel[c] = wanted[c].y * inverse;
+    position.at[c] = plane.over_w[c].x * lane + plane.over_w[c].z;
+    position.per_pixel[c] = plane.over_w[c].y;
   }
   return position;
 }

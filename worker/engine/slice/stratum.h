@@ -38,7 +38,7 @@ class Stratum {
   const PlacedTriangles& clipped_placed() const { return clipped_placed_; }
 
   /// Where on triangle `index` of the mesh, one of the stratum's, the points of a lane lie at this instant.
-  LinePosition PositionOn(uint32_t index, int lane) const;
+  LinePosition PositionOn(uint32_t index, int lane);
 
  private:
   /// Triangles that are placed at once: some vectors' worth, and few enough that little is placed in vain.
@@ -70,6 +70,15 @@ class Stratum {
   std::vector<uint32_t> curved_;       // The same for those on curved paths.
   double next_piece_at_ = 0;           // From there on, curved vertices must be loaded anew.
   std::vector<uint32_t> triangle_of_;  // By index in the mesh; valid for those in the stratum.
+
+  /// Positions on a triangle over the lines' plane, at the instant with number `instant`.
+  struct Plane {
+    int64_t instant = -1;
+    bool edge_on = false;
+    std::array<V3d, 3> over_w{};  // b1, b2 and their sum with b0, over w; times (row, position, 1).
+  };
+  std::vector<Plane> planes_;  // By triangle.
+  int64_t instant_ = 0;
 
   MovingVertices vertices_;
   PlacedVertices placed_vertices_;

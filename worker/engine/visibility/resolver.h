@@ -6,7 +6,7 @@
 #include "common/job/tile.h"
 #include "worker/engine/render/stats.h"
 #include "worker/engine/scene/frame_scene.h"
-#include "worker/engine/visibility/flat_film.h"
+#include "worker/engine/visibility/color_film.h"
 #include "worker/engine/visibility/pair_weights.h"
 #include "worker/engine/visibility/primitive_traits.h"
 
@@ -31,7 +31,7 @@ class Resolver {
   ///
   /// `flat`, if not null, is reset too, and a resolver may add triangles that have one colour to it instead
   /// of to `weights`: a pixel's share of the total is then in either of the two.
-  virtual void Resolve(const TileInput& tile, PairWeights& weights, FlatFilm* flat,
+  virtual void Resolve(const TileInput& tile, PairWeights& weights, ColorFilm* flat,
                        RenderStats& stats) const = 0;
 };
 
