@@ -96,7 +96,9 @@ TEST(ResolverSlice, FilmAndPairsHoldTheSameCoverage) {
     // One colour for each triangle: the film's sums are then sums of weights.
     ColorFilm flat([](uint32_t triangle) {
       const V3f color(triangle % 2 == 0 ? 1 : 0, 1, 0);
-      return std::array{color, color, color};
+      ColorNodes nodes;
+      nodes.corners = {color, color, color};
+      return nodes;
     });
     WeightsBy(resolver, *frame, AllOf(*frame), &flat);
     const Weights pairs = WeightsBy(resolver, *frame, AllOf(*frame));

@@ -33,21 +33,26 @@ Result ResolveSoup(uint64_t seed, bool curved) {
   std::vector<uint32_t> candidates(frame->triangles.size());
   std::iota(candidates.begin(), candidates.end(), 0u);
   PairWeights weights;
-  ColorFilm flat([](uint32_t triangle) -> ColorFilm::CornerColors {
-    // Constant, linear or apart.
+  ColorFilm film([](uint32_t triangle) -> std::optional<ColorNodes> {
+    // Constant, linear, quadratic or apart.
+    if (triangle % 4 == 3) return std::nullopt;
     const V3f color(1.0f / float(triangle + 1), 0.5f, 0.25f);
-    if (triangle % 3 == 2) return std::nullopt;
-    return std::array{color, color, triangle % 3 == 0 ? color : V3f(0, 1, 0)};
+    ColorNodes nodes;
+    nodes.corners = {color, color, color};
+    nodes.middles = {color, color, V3f(1, 0, 1)};
+    nodes.quadratic = triangle % 4 == 2;
+    if (triangle % 4 == 1) nodes.corners[2] = V3f(0, 1, 0);
+    return nodes;
   });
   RenderStats stats;
   ResolverSlice(LineSettings(PatternKind::kRgls, 16))
-      .Resolve({*frame, traits, {0, 0, 32, 32}, candidates}, weights, &flat, stats);
+      .Resolve({*frame, traits, {0, 0, 32, 32}, candidates}, weights, &film, stats);
   Result result;
   for (int64_t pixel = 0; pixel < 32 * 32; ++pixel) {
     weights.ForEach(pixel, [&](const PixelPair& pair) {
       result.pairs[{pixel, pair.triangle, pair.bin}] = {pair.weight, pair.b1, pair.b2};
     });
-    result.flat.push_back(flat.At(pixel));
+    result.flat.push_back(film.At(pixel));
   }
   return result;
 }

@@ -102,7 +102,7 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
-  ColorFilm film([this](uint32_t triangle) { return CornerColors(triangle); });
+  ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); });
   resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
@@ -110,21 +110,31 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   timer.Lap(stats.shade_seconds);
 }
 
-ColorFilm::CornerColors LineIntegrator::CornerColors(uint32_t triangle) const {
+std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
   if (traits.textured) return std::nullopt;
   const auto shade = [&](double b1, double b2) { return Shade(*frame_, triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
-  if (!traits.needs_position) return std::array{first, first, first};
-  // Linear enough, if it is in the middle: shading without textures is smooth.
-  const std::array<V3f, 3> corners{first, shade(1, 0), shade(0, 1)};
-  const V3f mean = (corners[0] + corners[1] + corners[2]) / 3.0f;
-  const V3f difference = shade(1.0 / 3, 1.0 / 3) - mean;
-  constexpr float kTolerance = 2e-3f;
-  for (int c = 0; c < 3; ++c) {
-    if (!(std::abs(difference[c]) < kTolerance * std::max(1.0f, mean[c]))) return std::nullopt;
-  }
-  return corners;
+  ColorNodes nodes;
+  nodes.corners = {first, first, first};
+  if (!traits.needs_position) return nodes;
+  // Without textures shading is smooth: a polynomial that is right in the middle is right enough.
+  nodes.corners = {first, shade(1, 0), shade(0, 1)};
+  const V3f middle = shade(1.0 / 3, 1.0 / 3);
+  const auto is_near = [&](const V3f& guess) {
+    constexpr float kTolerance = 1e-3f;
+    for (int c = 0; c < 3; ++c) {
+      if (!(std::abs(guess[c] - middle[c]) < kTolerance * std::max(1.0f, middle[c]))) return false;
+    }
+    return true;
+  };
+  const V3f corners = nodes.corners[0] + nodes.corners[1] + nodes.corners[2];
+  if (is_near(corners / 3.0f)) return nodes;
+  nodes.quadratic = true;
+  nodes.middles = {shade(0.5, 0), shade(0.5, 0.5), shade(0, 0.5)};
+  const V3f middles = nodes.middles[0] + nodes.middles[1] + nodes.middles[2];
+  if (is_near((4.0f * middles - corners) / 9.0f)) return nodes;
+  return std::nullopt;
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,

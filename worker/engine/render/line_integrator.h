@@ -3,6 +3,7 @@
 #include <absl/status/statusor.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "worker/engine/accel/bvh.h"
@@ -25,8 +26,8 @@ class LineIntegrator final : public TileIntegrator {
   LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
                  std::unique_ptr<const Bvh> bvh);
 
-  /// The colours at a triangle's corners, if they say what it looks like in between.
-  ColorFilm::CornerColors CornerColors(uint32_t triangle) const;
+  /// What a triangle looks like, if a few colours say it.
+  std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
                   RenderStats& stats) const;
   void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,

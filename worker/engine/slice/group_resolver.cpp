@@ -271,7 +271,10 @@ void GroupResolver::AddPiece(int lane, int32_t begin, int32_t end, uint32_t inde
   if (triangle.needs_position) {
     position = (triangle.moves ? moving_stratum_ : static_stratum_).PositionOn(index, lane);
   }
-  if (kind == ColorKind::kLinear && sums_->AddLinear(begin, end, index, position)) return;
+  if (kind == ColorKind::kSmooth) {
+    sums_->AddSmooth(begin, end, index, position);
+    return;
+  }
   const auto bin = uint16_t(t * double(1u << triangle.shading_bins_log2));
   sums_->AddApart(lane, begin, end, index, bin, weight, position);
 }

@@ -8,8 +8,8 @@ namespace shutterline::engine {
 
 namespace {
 
-/// Colours are taken as one where they differ by less than this over a triangle, and as linear along a piece
-/// where perspective bends them by less: far below what eight bits show.
+/// Colours are taken as one where they differ by less than this over a triangle: far below what eight bits
+/// show.
 constexpr double kColorTolerance = 1e-3;
 
 }  // namespace
@@ -25,8 +25,7 @@ void LineSums::BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairW
   kinds_.assign(count, ColorKind::kUnknown);
   if (colors_.size() >= count) return;
   colors_.resize(count);
-  corner_colors_.resize(count);
-  color_ranges_.resize(count);
+  smooth_.resize(count);
 }
 
 void LineSums::BeginGroup(const LineGroup& group) {
@@ -39,63 +38,66 @@ void LineSums::BeginGroup(const LineGroup& group) {
 }
 
 void LineSums::Shade(uint32_t index) {
-  const ColorFilm::CornerColors corners = film_->Shade(mesh_->triangles()[index].id);
-  if (!corners) {
+  const std::optional<ColorNodes> nodes = film_->Shade(mesh_->triangles()[index].id);
+  if (!nodes) {
     kinds_[index] = ColorKind::kApart;
     return;
   }
   double range = 0;
-  Color mean{0, 0, 0, 1};
-  for (size_t i = 0; i < 3; ++i) {
-    for (size_t c = 0; c < 3; ++c) {
-      corner_colors_[index][i][c] = double((*corners)[i][int(c)]);
-      range = std::max(range, std::abs(double((*corners)[i][int(c)]) - double((*corners)[0][int(c)])));
-      mean[c] += corner_colors_[index][i][c] / 3;
-    }
-    corner_colors_[index][i][3] = 1;
+  const auto measure = [&](const V3f& color) {
+    for (int c = 0; c < 3; ++c) range = std::max(range, std::abs(double(color[c] - nodes->corners[0][c])));
+  };
+  for (const V3f& color : nodes->corners) measure(color);
+  if (nodes->quadratic) {
+    for (const V3f& color : nodes->middles) measure(color);
   }
-  color_ranges_[index] = range;
-  if (range == 0) mean = corner_colors_[index][0];
-  colors_[index] = mean;
-  kinds_[index] = range < kColorTolerance ? ColorKind::kConstant : ColorKind::kLinear;
+  colors_[index][3] = 1;
+  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic};
+  for (int c = 0; c < 3; ++c) {
+    const auto k = size_t(c);
+    const double f0 = nodes->corners[0][c];
+    const double f1 = nodes->corners[1][c];
+    const double f2 = nodes->corners[2][c];
+    colors_[index][k] = range == 0 ? f0 : (f0 + f1 + f2) / 3;
+    std::array<Color, 6>& a = smooth_[index].coefficients;
+    a[0][k] = f0;
+    a[1][k] = f1 - f0;
+    a[2][k] = f2 - f0;
+    if (!nodes->quadratic) continue;
+    // Through the corners and the middles m01, m12, m20.
+    const double m01 = nodes->middles[0][c];
+    const double m12 = nodes->middles[1][c];
+    const double m20 = nodes->middles[2][c];
+    a[1][k] = 4 * m01 - 3 * f0 - f1;
+    a[2][k] = 4 * m20 - 3 * f0 - f2;
+    a[3][k] = 2 * (f0 + f1) - 4 * m01;
+    a[4][k] = 4 * (f0 + m12 - m01 - m20);
+    a[5][k] = 2 * (f0 + f2) - 4 * m20;
+  }
+  kinds_[index] = range < kColorTolerance ? ColorKind::kConstant : ColorKind::kSmooth;
 }
 
-bool LineSums::AddLinear(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
-  const double from = begin * (1.0 / kSubpixelsPerPixel);
-  const double to = end * (1.0 / kSubpixelsPerPixel);
-  const double over_from = position.at[2] + position.per_pixel[2] * from;
-  const double over_to = position.at[2] + position.per_pixel[2] * to;
-  // With 1/w at the ends in the ratio 1 + r, the middle of the piece is off by about r / 4 of its length.
-  if (!(std::abs(over_to - over_from) * color_ranges_[index] <
-        4 * kColorTolerance * std::min(over_from, over_to))) {
-    return false;
-  }
-  const std::array<Color, 3>& corners = corner_colors_[index];
-  const auto color_at = [&](double l, double over) {
-    // Rounding must not leave the triangle.
-    const double b1 = std::clamp((position.at[0] + position.per_pixel[0] * l) / over, 0.0, 1.0);
-    const double b2 = std::clamp((position.at[1] + position.per_pixel[1] * l) / over, 0.0, 1 - b1);
-    Color color;
-    for (size_t c = 0; c < 3; ++c) {
-      color[c] = (1 - b1 - b2) * corners[0][c] + b1 * corners[1][c] + b2 * corners[2][c];
-    }
-    color[3] = 1;
-    return color;
-  };
-  const Color first = color_at(from, over_from);
-  const Color last = color_at(to, over_to);
-  const double scale = 0.5 / double(end - begin);
+void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
+  const Smooth& smooth = smooth_[index];
+  const std::array<Color, 6>& a = smooth.coefficients;
   for (int32_t at = begin; at < end;) {
     const int step = at >> kSubpixelBits;
     const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
-    // The colour in the middle of the part, which is its mean.
-    const double s = (double(at - begin) + double(next - begin)) * scale;
+    // The colour in the middle of the part stands for its mean. Rounding must not leave the triangle.
+    const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
+    const double over = 1 / (position.at[2] + position.per_pixel[2] * l);
+    const double b1 = std::clamp((position.at[0] + position.per_pixel[0] * l) * over, 0.0, 1.0);
+    const double b2 = std::clamp((position.at[1] + position.per_pixel[1] * l) * over, 0.0, 1 - b1);
     const double weight = weight_ * double(next - at);
     Color& share = shares_of_lane_[step];
-    for (size_t c = 0; c < 4; ++c) share[c] += weight * (first[c] + s * (last[c] - first[c]));
+    for (size_t c = 0; c < 3; ++c) {
+      double color = a[0][c] + b1 * a[1][c] + b2 * a[2][c];
+      if (smooth.quadratic) color += b1 * (b1 * a[3][c] + b2 * a[4][c]) + b2 * b2 * a[5][c];
+      share[c] += weight * color;
+    }
+    share[3] += weight;
     at = next;
   }
-  return true;
 }
 
 void LineSums::EndGroup(int64_t weight_of_instant) {

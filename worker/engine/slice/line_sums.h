@@ -22,7 +22,7 @@ struct LinePosition {
 enum class ColorKind : uint8_t {
   kUnknown,   ///< Not looked at yet.
   kConstant,  ///< One colour.
-  kLinear,    ///< Linear between its corners.
+  kSmooth,    ///< Linear or quadratic over it.
   kApart,     ///< By shading each of its pixels: it is kept apart.
 };
 
@@ -30,7 +30,8 @@ enum class ColorKind : uint8_t {
 ///
 /// What has one colour is noted at the boundaries between visible pieces, as a change of colour: a price that
 /// does not depend on a piece's length or on the number of triangles that a pixel sees; a sum along the line
-/// gives the pixels' shares at the end. Linear colours are integrated pixel by pixel. Coverage goes the same
+/// gives the pixels' shares at the end. Smooth colours are
+/// integrated pixel by pixel. Coverage goes the same
 /// way, in integers. Other pieces are kept until the group is done, then gathered by triangle.
 class LineSums {
  public:
@@ -74,8 +75,7 @@ class LineSums {
     color_ = &color;
     end_ = end;
   }
-  /// False if the colour, though linear on the triangle, is not on the piece, because of perspective.
-  bool AddLinear(int32_t begin, int32_t end, uint32_t index, const LinePosition& position);
+  void AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position);
   void EndLane() {
     if (color_ == nullptr) return;
     Color change;
@@ -131,11 +131,16 @@ class LineSums {
   ColorFilm* film_ = nullptr;
   const LineGroup* group_ = nullptr;
 
-  // By triangle of the mesh; the latter two where its colour is linear.
+  /// Coefficients of 1, b1, b2, b1², b1 b2, b2².
+  struct Smooth {
+    std::array<Color, 6> coefficients;
+    bool quadratic;
+  };
+
+  // By triangle of the mesh; the last where its colour is smooth.
   std::vector<ColorKind> kinds_;
   std::vector<Color> colors_;
-  std::vector<std::array<Color, 3>> corner_colors_;
-  std::vector<double> color_ranges_;
+  std::vector<Smooth> smooth_;
   /// By lane and step: differences along the line, and what is added to single steps.
   std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
   std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_;

@@ -11,20 +11,27 @@
 
 namespace shutterline::engine {
 
+/// The radiance over a triangle as a polynomial of the barycentric coordinates, given at its corners 0, 1, 2
+/// and in the middles of its edges 01, 12, 20. Where it is linear the middles are not looked at.
+struct ColorNodes {
+  std::array<V3f, 3> corners{V3f(0), V3f(0), V3f(0)};
+  std::array<V3f, 3> middles{V3f(0), V3f(0), V3f(0)};
+  bool quadratic = false;
+};
+
 /// Sums of (radiance, coverage) per pixel of what need not be kept apart by triangle, because its radiance is
-/// known beforehand: constant over a triangle, or linear. Coverage sums are integers in units of
+/// known beforehand: constant over a triangle, or smooth. Coverage sums are integers in units of
 /// PairWeights::total() and stay exact; radiance sums are weighted by the same integers.
 class ColorFilm {
  public:
-  /// Radiance at a triangle's corners, between which it is linear; none where it is not, or not known.
-  using CornerColors = std::optional<std::array<V3f, 3>>;
-  using Shader = std::function<CornerColors(uint32_t triangle)>;
+  /// What a triangle of the frame looks like; nothing where that is not so simple.
+  using Shader = std::function<std::optional<ColorNodes>(uint32_t triangle)>;
 
   explicit ColorFilm(Shader shader) : shader_(std::move(shader)) {}
 
   void Reset(int64_t pixels) { sums_.assign(size_t(pixels), {0, 0, 0, 0}); }
 
-  CornerColors Shade(uint32_t triangle) const { return shader_(triangle); }
+  std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }
 
   /// Red, green, blue, coverage; `pixel` counts in rows within the tile.
   std::array<double, 4>& At(int64_t pixel) { return sums_[size_t(pixel)]; }
