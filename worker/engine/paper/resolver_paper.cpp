@@ -7,7 +7,7 @@
 
 namespace shutterline::engine {
 
-void ResolverPaper::Resolve(const TileInput& input, PairWeights& weights, FlatFilm* flat,
+void ResolverPaper::Resolve(const TileInput& input, PairWeights& weights, ColorFilm* flat,
                             RenderStats& stats) const {
   SL_CHECK(input.rect.width <= kMaxLinePixels && input.rect.height <= kMaxLinePixels);
   const uint64_t line_weight = paper::PatchTile::kShutterWeight * uint64_t{kSubpixelsPerPixel};

@@ -16,7 +16,7 @@ class ResolverPaper final : public Resolver {
   ResolverPaper(const LinePattern& pattern, const paper::Options& options)
       : pattern_(pattern), options_(options) {}
 
-  void Resolve(const TileInput& input, PairWeights& weights, FlatFilm* flat,
+  void Resolve(const TileInput& input, PairWeights& weights, ColorFilm* flat,
                RenderStats& stats) const override;
 
  private:

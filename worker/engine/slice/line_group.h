@@ -26,8 +26,9 @@ struct LineGroup {
   double instant_offset = 0.5;
   int lanes = 0;
   std::array<TileLine, kLanes> lines{};
-  /// The part of each line within the tile, subpixels; empty beyond `lanes`.
-  alignas(64) std::array<int32_t, kLanes> begin{}, end{};
+  /// The part of each line within the tile, subpixels; empty beyond `lanes`, with room to read a vector past
+  /// the last.
+  alignas(64) std::array<int32_t, 2 * kLanes> begin{}, end{};
 };
 
 /// Splits the pattern's lines in `rect` into groups. Replaces `groups`.

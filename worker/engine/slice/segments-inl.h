@@ -31,52 +31,83 @@ HWY_INLINE uint32_t LanesAbove(const HiddenBelow& values, float bound) {
   return lanes;
 }
 
-inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
-                                 const LineGroup& group, Stretches& stretches, int64_t& made) {
-  const hn::CappedTag<double, 8> d;
-  const hn::Rebind<int32_t, decltype(d)> i32;
-  const hn::Rebind<float, decltype(d)> f32;
-  const int n = int(hn::Lanes(d));
+/// Segments of one triangle, by lane; a vector may be written past the last lane.
+struct LaneSegments {
+  alignas(64) int32_t begin[2 * kLanes], end[2 * kLanes];
+  alignas(64) float depth[2 * kLanes], slope[2 * kLanes];
+};
+
+/// Cuts triangle j by the lanes [from, to], Lanes(d) at a time.
+template <class D>
+HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int from, int to,
+                            const LineGroup& group, LaneSegments& out) {
+  const hn::Rebind<int32_t, D> i32;
+  const hn::Rebind<float, D> f32;
   const auto half = hn::Set(d, 0.5);
   const auto one = hn::Set(d, 1.0);
+  const auto all = [&](double value) HWY_ATTR { return hn::Set(d, value); };
+  const auto row_a = all(placed.row_a[j]);
+  const auto row_b = all(placed.row_b[j]);
+  const auto position_a = all(placed.position_a[j]);
+  const auto depth_a = all(double(placed.depth_a[j]));
+
+  for (int lanes = from; lanes <= to; lanes += int(hn::Lanes(d))) {
+    const auto lane = hn::Iota(d, double(lanes));
+    // The edge from the lowest to the highest corner, and the one of the two others that is met here.
+    const auto u = hn::Mul(hn::Sub(lane, row_a), all(placed.inverse_ac[j]));
+    const auto long_position = hn::Add(position_a, hn::Mul(u, all(placed.position_ac[j])));
+    const auto long_depth = hn::Add(depth_a, hn::Mul(u, all(double(placed.depth_ac[j]))));
+    const auto upper = hn::Gt(lane, row_b);
+    const auto pick = [&](double above, double below)
+                          HWY_ATTR { return hn::IfThenElse(upper, all(above), all(below)); };
+    const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, row_b, row_a)),
+                           pick(placed.inverse_bc[j], placed.inverse_ab[j]));
+    const auto short_position = hn::Add(hn::IfThenElse(upper, all(placed.position_b[j]), position_a),
+                                        hn::Mul(v, pick(placed.position_bc[j], placed.position_ab[j])));
+    const auto short_depth = hn::Add(hn::IfThenElse(upper, all(double(placed.depth_b[j])), depth_a),
+                                     hn::Mul(v, pick(placed.depth_bc[j], placed.depth_ab[j])));
+
+    const auto long_first = hn::Le(long_position, short_position);
+    const auto low = hn::Min(long_position, short_position);
+    const auto high = hn::Max(long_position, short_position);
+    const auto depth_low = hn::IfThenElse(long_first, long_depth, short_depth);
+    const auto depth_high = hn::IfThenElse(long_first, short_depth, long_depth);
+
+    // Round to subpixels, within the line: truncation rounds to nearest, as positions are not negative.
+    const auto line_begin = hn::PromoteTo(d, hn::LoadU(i32, group.begin.data() + lanes));
+    const auto line_end = hn::PromoteTo(d, hn::LoadU(i32, group.end.data() + lanes));
+    const auto b = hn::DemoteTo(i32, hn::Min(hn::Max(hn::Add(low, half), line_begin), line_end));
+    const auto e = hn::DemoteTo(i32, hn::Min(hn::Max(hn::Add(high, half), line_begin), line_end));
+    hn::StoreU(b, i32, out.begin + lanes);
+    hn::StoreU(e, i32, out.end + lanes);
+
+    // A segment shorter than a subpixel must not be steeper than from one to the next: rounding of its ends
+    // would extrapolate it.
+    const auto s = hn::Div(hn::Sub(depth_high, depth_low), hn::Max(hn::Sub(high, low), one));
+    const auto at_begin = hn::Add(depth_low, hn::Mul(s, hn::Sub(hn::PromoteTo(d, b), low)));
+    hn::StoreU(hn::DemoteTo(f32, at_begin), f32, out.depth + lanes);
+    hn::StoreU(hn::DemoteTo(f32, s), f32, out.slope + lanes);
+  }
+}
+
+inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
+                                 const LineGroup& group, Stretches& stretches, int64_t& made) {
   SegmentLists* const lists = stretches.lists.data();
   const int shift = stretches.shift;
-  alignas(64) int32_t begin[kLanes], end[kLanes];
-  alignas(64) float depth[kLanes], slope[kLanes];
+  LaneSegments cut;
   uint32_t open[kMaxLinePixels];  // By stretch: the lanes on which the triangle at hand is not hidden.
 
-  // Pointers of their own: what is appended cannot change them, which the compiler does not know.
-  const double* const row_a = placed.row_a.data();
-  const double* const row_b = placed.row_b.data();
-  const double* const inverse_ac = placed.inverse_ac.data();
-  const double* const inverse_ab = placed.inverse_ab.data();
-  const double* const inverse_bc = placed.inverse_bc.data();
-  const double* const position_a = placed.position_a.data();
-  const double* const position_ac = placed.position_ac.data();
-  const double* const position_ab = placed.position_ab.data();
-  const double* const position_b = placed.position_b.data();
-  const double* const position_bc = placed.position_bc.data();
-  const float* const depth_a = placed.depth_a.data();
-  const float* const depth_ac = placed.depth_ac.data();
-  const float* const depth_ab = placed.depth_ab.data();
-  const float* const depth_b = placed.depth_b.data();
-  const float* const depth_bc = placed.depth_bc.data();
-  const float* const nearest = placed.nearest.data();
-  const int32_t* const first_lane = placed.first_lane.data();
-  const int32_t* const last_lane = placed.last_lane.data();
-  const int32_t* const least = placed.least.data();
-  const int32_t* const most = placed.most.data();
   const uint32_t* const met = placed.met.data();
   const size_t met_count = placed.met.size();
 
   for (size_t m = first; m < met_count; ++m) {
     const size_t j = met[m];
-    const int from = first_lane[j];
-    const int to = last_lane[j];
+    const int from = placed.first_lane[j];
+    const int to = placed.last_lane[j];
     const uint32_t lanes = (uint32_t{2} << to) - (uint32_t{1} << from);
-    const int first_stretch = least[j] >> shift;
-    const int last_stretch = most[j] >> shift;
-    const float triangle_nearest = nearest[j] * kFloatDepthSlack;
+    const int first_stretch = placed.least[j] >> shift;
+    const int last_stretch = placed.most[j] >> shift;
+    const float triangle_nearest = placed.nearest[j] * kFloatDepthSlack;
     uint32_t open_anywhere = 0;
     for (int k = first_stretch; k <= last_stretch; ++k) {
       open[k] = lanes & ~LanesAbove(stretches.hidden_below[size_t(k)], triangle_nearest);
@@ -84,54 +115,22 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
     }
     if (open_anywhere == 0) continue;
 
-    for (int base = from / n * n; base <= to; base += n) {
-      const auto lane = hn::Iota(d, double(base));
-      // The edge from the lowest to the highest corner, and the one of the two others that is met here.
-      const auto u = hn::Mul(hn::Sub(lane, hn::Set(d, row_a[j])), hn::Set(d, inverse_ac[j]));
-      const auto long_position = hn::Add(hn::Set(d, position_a[j]), hn::Mul(u, hn::Set(d, position_ac[j])));
-      const auto long_depth =
-          hn::Add(hn::Set(d, double(depth_a[j])), hn::Mul(u, hn::Set(d, double(depth_ac[j]))));
-      const auto middle = hn::Set(d, row_b[j]);
-      const auto upper = hn::Gt(lane, middle);
-      const auto pick = [&](double above, double below)
-                            HWY_ATTR { return hn::IfThenElse(upper, hn::Set(d, above), hn::Set(d, below)); };
-      const auto v = hn::Mul(hn::Sub(lane, hn::IfThenElse(upper, middle, hn::Set(d, row_a[j]))),
-                             pick(inverse_bc[j], inverse_ab[j]));
-      const auto short_position =
-          hn::Add(pick(position_b[j], position_a[j]), hn::Mul(v, pick(position_bc[j], position_ab[j])));
-      const auto short_depth =
-          hn::Add(pick(depth_b[j], depth_a[j]), hn::Mul(v, pick(depth_bc[j], depth_ab[j])));
-
-      const auto long_first = hn::Le(long_position, short_position);
-      const auto low = hn::Min(long_position, short_position);
-      const auto high = hn::Max(long_position, short_position);
-      const auto depth_low = hn::IfThenElse(long_first, long_depth, short_depth);
-      const auto depth_high = hn::IfThenElse(long_first, short_depth, long_depth);
-
-      // Round to subpixels, within the line.
-      const auto line_begin = hn::PromoteTo(d, hn::LoadU(i32, group.begin.data() + base));
-      const auto line_end = hn::PromoteTo(d, hn::LoadU(i32, group.end.data() + base));
-      const auto b = hn::Floor(hn::Min(hn::Max(hn::Add(low, half), line_begin), line_end));
-      const auto e = hn::Floor(hn::Min(hn::Max(hn::Add(high, half), line_begin), line_end));
-      hn::StoreU(hn::DemoteTo(i32, b), i32, begin + base);
-      hn::StoreU(hn::DemoteTo(i32, e), i32, end + base);
-
-      // A segment shorter than a subpixel must not be steeper than from one to the next: rounding of its ends
-      // would extrapolate it.
-      const auto s = hn::Div(hn::Sub(depth_high, depth_low), hn::Max(hn::Sub(high, low), one));
-      const auto at_begin = hn::Add(depth_low, hn::Mul(s, hn::Sub(b, low)));
-      hn::StoreU(hn::DemoteTo(f32, at_begin), f32, depth + base);
-      hn::StoreU(hn::DemoteTo(f32, s), f32, slope + base);
+    // Most triangles are small: a short vector is quicker then.
+    if (to - from < 4) {
+      CutTriangle(hn::CappedTag<double, 4>(), placed, j, from, to, group, cut);
+    } else {
+      CutTriangle(hn::CappedTag<double, 8>(), placed, j, from, to, group, cut);
     }
 
     bool full = false;
     for (uint32_t left = open_anywhere; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      if (begin[lane] >= end[lane]) continue;
+      if (cut.begin[lane] >= cut.end[lane]) continue;
       ++made;
-      for (int k = begin[lane] >> shift; k <= (end[lane] - 1) >> shift; ++k) {
+      for (int k = cut.begin[lane] >> shift; k <= (cut.end[lane] - 1) >> shift; ++k) {
         if ((open[k] >> lane & 1) == 0) continue;
-        lists[k].Append(lane, begin[lane], end[lane], depth[lane], slope[lane], triangles.index[j]);
+        lists[k].Append(lane, cut.begin[lane], cut.end[lane], cut.depth[lane], cut.slope[lane],
+                        triangles.index[j]);
         full |= lists[k].rows >= lists[k].compact_at;
       }
     }
