@@ -113,7 +113,7 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
       app, "--time-cells", "N", "4", absl::StrCat("paper: equal spans of the shutter, 1 to ", kMaxTimeCells),
       [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxTimeCells), s.time_cells); });
   auto* time_step = AddValue(
-      app, "--time-step", "PIXELS", "1",
+      app, "--time-step", "PIXELS", "2",
       "Motion between two instants of a line; smaller is slower\nand more exact", [&](const std::string& t) {
         return Store(ParseReal(t, 1e-3, 1e6, "a number of pixels from 0.001 to 1000000"), s.time_step);
       });

@@ -42,7 +42,7 @@ struct RenderSettings {
   PatternKind pattern = PatternKind::kRgls;      ///< Line integrator: which line samples.
   ResolverKind resolver = ResolverKind::kSlice;  ///< Line integrator: how visibility is resolved.
   /// Line integrator: pixels of motion between two instants of a line; smaller is slower and more exact.
-  double time_step = 1.0;
+  double time_step = 2.0;
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;

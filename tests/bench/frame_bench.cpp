@@ -25,7 +25,7 @@ struct Options {
   int repeats = 1;
   int half_spp = 0;
   int only_reference = 0;
-  double shutter_close = 0.5, fps = 24, time_step = 1;
+  double shutter_close = 0.5, fps = 24, time_step = 2;
   int time_samples = 0;
   std::vector<int> ladder, shared, stochastic;
   std::vector<int> window;

@@ -221,7 +221,7 @@ TEST(Program, HelpNamesDefaultsAsTheyAre) {
   }
   EXPECT_EQ(s.shutter_close, 0.5);
   EXPECT_EQ(s.shutter_open, 0.0);
-  EXPECT_EQ(s.time_step, 1.0);
+  EXPECT_EQ(s.time_step, 2.0);
   EXPECT_EQ(OutputSettings().compression, ExrCompression::kZip);
 }
 
