@@ -88,6 +88,27 @@ TEST(ResolverSlice, OrderOfTrianglesDoesNotMatter) {
   }
 }
 
+TEST(ResolverSlice, NumbersOfTrianglesDoNotMatter) {
+  // Only where depths are equal do numbers decide, which they are not here.
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const auto frame = RandomSoup(seed, 300, true);
+    const ResolverSlice resolver(LineSettings(PatternKind::kRgls, 16));
+    const std::vector<uint32_t> candidates = AllOf(*frame);
+    const Weights ordered = WeightsBy(resolver, *frame, candidates);
+    FrameScene renumbered = *frame;
+    std::vector<uint32_t> source = candidates;
+    std::mt19937_64 random(seed);
+    std::shuffle(source.begin(), source.end(), random);
+    for (size_t i = 0; i < source.size(); ++i) renumbered.triangles[i] = frame->triangles[source[i]];
+    Weights back;
+    for (const auto& [key, weight] : WeightsBy(resolver, renumbered, candidates)) {
+      back[{key.first, source[key.second]}] = weight;
+    }
+    EXPECT_EQ(back, ordered);
+  }
+}
+
 TEST(ResolverSlice, FilmAndPairsHoldTheSameCoverage) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -44,7 +44,7 @@ void GroupResolver::Resolve(const TileMesh& mesh, const LineGroup& group, const 
   for (int k = 0; k < stretches_; ++k) at_rest_[size_t(k)].fill(moving_indices_.empty() ? 1 : 0);
   if (!moving_indices_.empty()) ResolveInstants(instants, motion);
   for (int k = 0; k < stretches_; ++k) {
-    AddPieces(static_lists_[size_t(k)], kAllLanes, nullptr, 0, at_rest_[size_t(k)]);
+    AddPieces(static_lists_[size_t(k)], kAllLanes, static_pieces_[size_t(k)], 0, at_rest_[size_t(k)]);
   }
   sums.EndGroup(time_samples.WeightOf(instants));
 }
@@ -99,6 +99,7 @@ void GroupResolver::ResolveStatic() {
     lists_[size_t(k)].Clear();
     lists_[size_t(k)].compact_at = kFirstBatch;
     static_lists_[size_t(k)].Clear();
+    static_pieces_[size_t(k)].rows = 0;
     HiddenBelow& hidden = hidden_below_[size_t(k)];
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const bool is_line = std::max(group_->begin[lane], lists_[size_t(k)].stretch_begin) <
@@ -115,6 +116,7 @@ void GroupResolver::ResolveStatic() {
   for (int k = 0; k < stretches_; ++k) {
     Compact(k);
     std::swap(lists_[size_t(k)], static_lists_[size_t(k)]);
+    std::swap(compaction_, static_pieces_[size_t(k)]);
     static_hidden_below_[size_t(k)] = hidden_below_[size_t(k)];
   }
 }
@@ -178,8 +180,8 @@ void GroupResolver::ResolveInstant(double t) {
       if ((lists.touched >> lane & 1) == 0) ++at_rest_[size_t(k)][size_t(lane)];
     }
     if (lists.touched == 0) continue;
-    March(lists, mesh_->ids().data(), *group_, lists.touched, pieces_[size_t(k)]);
-    AddPieces(lists, lists.touched, &pieces_[size_t(k)], t, kOnce);
+    March(lists, mesh_->ids().data(), *group_, lists.touched, pieces_);
+    AddPieces(lists, lists.touched, pieces_, t, kOnce);
   }
 }
 
@@ -206,24 +208,33 @@ void GroupResolver::Append(const GroupTriangles& triangles, const PlacedTriangle
 
 void GroupResolver::Compact(int stretch) {
   SegmentLists& lists = lists_[size_t(stretch)];
-  March(lists, mesh_->ids().data(), *group_, kAllLanes, compaction_);
+  VisiblePieces& pieces = compaction_;
+  March(lists, mesh_->ids().data(), *group_, kAllLanes, pieces);
   compacted_.Clear();
   for (int lane = 0; lane < group_->lanes; ++lane) {
     const int32_t from = std::max(group_->begin[size_t(lane)], lists.stretch_begin);
     const int32_t to = std::min(group_->end[size_t(lane)], lists.stretch_end);
     int64_t covered = 0;
     float farthest = std::numeric_limits<float>::infinity();
-    for (int32_t r = 0; r < compaction_.rows; ++r) {
+    new_entry_.assign(size_t(lists.rows), -1);
+    for (int32_t r = 0; r < pieces.rows; ++r) {
       const size_t at = size_t(r) * kLanes + size_t(lane);
-      const int32_t begin = compaction_.begin[at];
-      const int32_t end = compaction_.end[at];
+      const int32_t begin = pieces.begin[at];
+      const int32_t end = pieces.end[at];
       if (begin >= end) continue;
-      const size_t source = size_t(compaction_.entry[at]) * kLanes + size_t(lane);
+      // What is visible is kept as it is, so that it does not matter when this happens.
+      int32_t& entry = new_entry_[size_t(pieces.entry[at])];
+      const size_t source = size_t(pieces.entry[at]) * kLanes + size_t(lane);
       const float slope = lists.slope[source];
-      const float depth = lists.depth[source] + slope * float(begin - lists.begin[source]);
-      compacted_.Append(lane, begin, end, depth, slope, lists.index[source]);
+      if (entry < 0) {
+        entry = compacted_.count[size_t(lane)];
+        compacted_.Append(lane, lists.begin[source], lists.end[source], lists.depth[source], slope,
+                          lists.index[source]);
+      }
+      pieces.entry[at] = entry;
       covered += end - begin;
-      farthest = std::min({farthest, depth, depth + slope * float(end - begin)});
+      farthest = std::min({farthest, lists.depth[source] + slope * float(begin - lists.begin[source]),
+                           lists.depth[source] + slope * float(end - lists.begin[source])});
     }
     // Without a gap, the farthest visible depth hides all that lies behind it.
     if (covered >= to - from) {
@@ -240,20 +251,16 @@ void GroupResolver::Compact(int stretch) {
   holds_static_[size_t(stretch)] = false;
 }
 
-void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces* pieces,
+void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces,
                               double t, const std::array<int64_t, kLanes>& weights) {
   for (int lane = 0; lane < group_->lanes; ++lane) {
     if ((lanes >> lane & 1) == 0 || weights[size_t(lane)] == 0) continue;
     sums_->BeginLane(lane, double(weights[size_t(lane)]));
-    const int32_t rows = pieces != nullptr ? pieces->rows : lists.count[size_t(lane)];
-    for (int32_t r = 0; r < rows; ++r) {
+    for (int32_t r = 0; r < pieces.rows; ++r) {
       const size_t at = size_t(r) * kLanes + size_t(lane);
-      const int32_t begin = pieces != nullptr ? pieces->begin[at] : lists.begin[at];
-      const int32_t end = pieces != nullptr ? pieces->end[at] : lists.end[at];
-      if (begin >= end) continue;
-      const int32_t entry = pieces != nullptr ? pieces->entry[at] : r;
-      AddPiece(lane, begin, end, lists.index[size_t(entry) * kLanes + size_t(lane)], t,
-               weights[size_t(lane)]);
+      if (pieces.begin[at] >= pieces.end[at]) continue;
+      const size_t entry = size_t(pieces.entry[at]) * kLanes + size_t(lane);
+      AddPiece(lane, pieces.begin[at], pieces.end[at], lists.index[entry], t, weights[size_t(lane)]);
     }
     sums_->EndLane();
   }

@@ -41,7 +41,7 @@ class GroupResolver {
   float HiddenEverywhere() const;
   /// Drops what is hidden in a stretch, and notes what is hidden behind the rest.
   void Compact(int stretch);
-  void AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces* pieces, double t,
+  void AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces, double t,
                  const std::array<int64_t, kLanes>& weights);
   void AddPiece(int lane, int32_t begin, int32_t end, uint32_t index, double t, int64_t weight);
 
@@ -57,12 +57,16 @@ class GroupResolver {
   int shift_ = 0;
   std::array<SegmentLists, kMostStretches> lists_;
   std::array<HiddenBelow, kMostStretches> hidden_below_{};
-  std::array<VisiblePieces, kMostStretches> pieces_;
+  VisiblePieces pieces_;
+
+  // Of Compact.
   VisiblePieces compaction_;
   SegmentLists compacted_;
+  std::vector<int32_t> new_entry_;
 
-  // What stands still, as the visible pieces of it.
+  // What is visible of what stands still, if nothing else is there.
   std::array<SegmentLists, kMostStretches> static_lists_;
+  std::array<VisiblePieces, kMostStretches> static_pieces_;
   std::array<HiddenBelow, kMostStretches> static_hidden_below_{};
   std::array<bool, kMostStretches> holds_static_{};  // lists_ begins with static_lists_.
   /// Instants at which nothing that moves is on a lane's stretch.
