@@ -216,7 +216,7 @@ TEST(Program, HelpNamesDefaultsAsTheyAre) {
            "FRAMES/S [" + std::to_string(int(s.fps)) + "]", "WxH [" + size + "]",
            "[" + std::string(ToString(s.pattern)) + "]", "[" + std::string(ToString(s.resolver)) + "]",
            "[" + std::string(ToString(s.integrator)) + "]", "N [" + std::to_string(s.spp) + "]",
-           "FRAMES [0.5]", "FRAMES [0]", "PIXELS [1]", "[zip]"}) {
+           "FRAMES [0.5]", "FRAMES [0]", "PIXELS [" + std::to_string(int(s.time_step)) + "]", "[zip]"}) {
     EXPECT_NE(help.find(text), std::string::npos) << text << "\n" << help;
   }
   EXPECT_EQ(s.shutter_close, 0.5);
