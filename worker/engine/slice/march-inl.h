@@ -177,7 +177,7 @@ class Marcher {
     const auto rare = hn::Or(
         overtakes, hn::And(begins, hn::Or(hn::And(hn::Eq(b, change.at), AtLeast(change.entry, hn::Zero(di))),
                                           hn::And(within, I(hn::And(hn::Eq(depth, current_begin),
-                                                                    hn::Eq(slope, current.slope)))))));
+                                                                    hn::Ge(slope, current.slope)))))));
     change.at = hn::IfThenElse(in_front, b, change.at);
     change.entry = hn::IfThenElse(in_front, entry, change.entry);
     if (!hn::AllFalse(di, rare)) Rare(r, x, end, current, overtakes, b, e, depth, slope, change);

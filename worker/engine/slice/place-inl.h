@@ -78,6 +78,7 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
   const size_t n = hn::Lanes(d);
   const auto zero = hn::Zero(d);
   const auto one = hn::Set(d, 1.0);
+  const auto largest = hn::Set(d, std::numeric_limits<double>::max());
   const auto time = hn::Set(d, t);
   const auto last_lane = hn::Set(d, double(lanes - 1));
   const auto line_end = hn::Set(d, double(length));
@@ -133,11 +134,13 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
     const auto store = [&](DoublesV v, std::vector<double>& to) HWY_ATTR { hn::StoreU(v, d, to.data() + i); };
     const auto store_float = [&](DoublesV v, std::vector<float>& to)
                                  HWY_ATTR { hn::StoreU(hn::DemoteTo(f32, v), f32, to.data() + i); };
+    // Of a denormal height it would overflow, and its product with that height again would not be a share.
+    const auto reciprocal = [&](DoublesV v) HWY_ATTR { return hn::Min(hn::Div(one, v), largest); };
     store(row[0], out.row_a);
     store(row[1], out.row_b);
-    store(hn::Div(one, hn::Sub(row[2], row[0])), out.inverse_ac);
-    store(hn::Div(one, hn::Sub(row[1], row[0])), out.inverse_ab);
-    store(hn::Div(one, hn::Sub(row[2], row[1])), out.inverse_bc);
+    store(reciprocal(hn::Sub(row[2], row[0])), out.inverse_ac);
+    store(reciprocal(hn::Sub(row[1], row[0])), out.inverse_ab);
+    store(reciprocal(hn::Sub(row[2], row[1])), out.inverse_bc);
     store(position[0], out.position_a);
     store(hn::Sub(position[2], position[0]), out.position_ac);
     store(hn::Sub(position[1], position[0]), out.position_ab);

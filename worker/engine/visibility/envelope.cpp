@@ -70,6 +70,15 @@ EnvelopeMarcher::Change EnvelopeMarcher::NextOvertake(std::span<const LineSegmen
   return next;
 }
 
+uint32_t EnvelopeMarcher::NearestActive(std::span<const LineSegment> segments, int32_t x) const {
+  uint32_t nearest = kNone;
+  for (const uint32_t candidate : active_) {
+    if (segments[candidate].end <= x) continue;
+    if (nearest == kNone || IsNearer(segments[candidate], segments[nearest], x)) nearest = candidate;
+  }
+  return nearest;
+}
+
 void EnvelopeMarcher::March(std::span<const LineSegment> segments, int32_t begin, int32_t end,
                             std::vector<VisibleSpan>& spans) {
   spans.clear();
@@ -89,10 +98,7 @@ void EnvelopeMarcher::March(std::span<const LineSegment> segments, int32_t begin
       while (next_start < by_start_.size() && segments[by_start_[next_start]].begin <= x) {
         active_.push_back(by_start_[next_start++]);
       }
-      for (const uint32_t candidate : active_) {
-        if (segments[candidate].end <= x) continue;
-        if (current == kNone || IsNearer(segments[candidate], segments[current], x)) current = candidate;
-      }
+      current = NearestActive(segments, x);
       if (current == kNone) {
         active_.clear();
         if (next_start == by_start_.size()) break;
@@ -113,8 +119,9 @@ void EnvelopeMarcher::March(std::span<const LineSegment> segments, int32_t begin
       active_.push_back(started);
       if (IsNearer(segments[started], segments[current], at)) {
         Emit(spans, x, at, current);
-        current = started;
         x = at;
+        // The current one may have fallen behind others within this very subpixel.
+        current = NearestActive(segments, x);
         overtake = NextOvertake(segments, current, x);
       } else {
         const int32_t both = std::min(segments[current].end, segments[started].end);

@@ -43,6 +43,8 @@ class EnvelopeMarcher {
   /// Where `b`, not nearer now, overtakes `a` after x; at >= stop if it does not before `stop`.
   static int32_t OvertakesAt(const LineSegment& a, const LineSegment& b, int32_t x, int32_t stop);
   Change NextOvertake(std::span<const LineSegment> segments, uint32_t current, int32_t x);
+  /// The nearest just right of x, none where nothing is.
+  uint32_t NearestActive(std::span<const LineSegment> segments, int32_t x) const;
   static bool SoonerChange(std::span<const LineSegment> segments, const Change& a, const Change& b);
 
   std::vector<uint32_t> by_start_;
