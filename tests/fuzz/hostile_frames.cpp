@@ -12,7 +12,6 @@ namespace shutterline::engine {
 namespace {
 
 constexpr int kSide = 16;
-constexpr double kMinNear = 1e-100;
 
 struct Motion {
   int degree = 0, pieces = 1;
@@ -123,7 +122,7 @@ HostileFrame AnyBits(uint64_t seed) {
   FrameView view = PerspectiveView(kSide, kSide);
   view.width = rect.x + kSide;
   view.height = rect.y + kSide;
-  view.znear = values.Chance(0.7) ? 0.1 : std::clamp(std::abs(values.AnyMagnitude()), kMinNear, 1e6);
+  view.znear = values.Chance(0.7) ? 0.1 : std::clamp(std::abs(values.AnyMagnitude()), kLeastNear, 1e6);
   if (values.Chance(0.2)) view.zfar = std::max(view.znear * 2, 20 * values.Unit());
   FrameSceneBuilder builder(view);
   std::vector<HostileMesh> meshes;

@@ -63,11 +63,14 @@ std::vector<PrimitiveTraits> TraitsOf(const FrameScene& frame, bool needs_positi
 }
 
 ColorFilm MakeFilm() {
-  return ColorFilm([](uint32_t triangle) -> ColorFilm::CornerColors {
-    // Constant, linear or apart.
+  return ColorFilm([](uint32_t triangle) -> std::optional<ColorNodes> {
+    // Constant, linear, quadratic or apart.
     const V3f color(1.0f / float(triangle + 1), 0.5f, 0.25f);
-    if (triangle % 3 == 2) return std::nullopt;
-    return std::array{color, color, triangle % 3 == 0 ? color : V3f(0, 1, 0)};
+    const V3f other = triangle % 4 == 0 ? color : V3f(0, 1, 0);
+    if (triangle % 4 == 3) return std::nullopt;
+    return ColorNodes{.corners = {color, color, other},
+                      .middles = {color, color, V3f(0.5f, 0.5f, 0.5f)},
+                      .quadratic = triangle % 4 == 2};
   });
 }
 

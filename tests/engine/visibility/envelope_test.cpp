@@ -108,6 +108,17 @@ TEST(Envelope, TwoOvertakesWithinOneSubpixelShowTheNearer) {
   }
 }
 
+TEST(Envelope, AStartWithinTheSubpixelOfAnOvertakeShowsTheNearer) {
+  // A falls steeply through C, then through B, which starts where C has already come in front.
+  const double subpixel = 1.0 / kPixel;
+  const std::vector<LineSegment> segments{Make(7, 0, 2 * subpixel, 0.958, 0.289),
+                                          Make(3, subpixel, 32, 0.5, 0.51), Make(4, 0, 32, 0.5638, 0.5638)};
+  const auto spans = March(segments);
+  ASSERT_FALSE(spans.empty());
+  EXPECT_EQ(segments[spans.back().segment].id, 4u);
+  for (const VisibleSpan& span : spans) EXPECT_NE(segments[span.segment].id, 3u);
+}
+
 /// The nearest segment at a subpixel, by looking at all of them.
 std::optional<uint32_t> NearestByBruteForce(const std::vector<LineSegment>& segments, int32_t at,
                                             double* lead) {

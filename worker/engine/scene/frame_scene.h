@@ -37,6 +37,9 @@ struct FrameView {
 /// corner, is still finite (an edge's crossing multiplies two, each of two clips doubles that and adds two).
 inline constexpr double kMaxCoordinate = 1e44;
 
+/// The smallest near distance: raster positions, coordinates over w >= znear, and their products are finite.
+inline constexpr double kLeastNear = 1e-100;
+
 static_assert(kMaxMotionDegree == kMaxBezierDegree);
 inline constexpr int kMaxLinearPieces = 128;
 

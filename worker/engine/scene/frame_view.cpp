@@ -50,7 +50,7 @@ absl::StatusOr<FrameView> MakeFrameView(const Camera& camera, int width, int hei
   if (camera.perspective) {
     SL_RETURN_IF_ERROR(Require(camera.yfov > 0 && camera.yfov < std::numbers::pi, "yfov", camera.yfov,
                                "between 0 and pi radians"));
-    SL_RETURN_IF_ERROR(Require(camera.znear > 0, "znear", camera.znear, "positive"));
+    SL_RETURN_IF_ERROR(Require(camera.znear >= kLeastNear, "znear", camera.znear, "at least 1e-100"));
     SL_RETURN_IF_ERROR(
         Require(camera.zfar == 0 || camera.zfar > camera.znear, "zfar", camera.zfar, beyond_near));
     view.scale_y = 0.5 * height / std::tan(0.5 * camera.yfov);

@@ -12,6 +12,11 @@ namespace {
 /// show.
 constexpr double kColorTolerance = 1e-3;
 
+/// Within [0, most]; 0 for what is not a number, as positions on triangles that are all but seen edge-on.
+double Clamped(double x, double most) {
+  return x > 0 ? std::min(x, most) : 0;
+}
+
 }  // namespace
 
 void LineSums::BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights,
@@ -86,8 +91,8 @@ void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LineP
     // The colour in the middle of the part stands for its mean. Rounding must not leave the triangle.
     const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
     const double over = 1 / (position.at[2] + position.per_pixel[2] * l);
-    const double b1 = std::clamp((position.at[0] + position.per_pixel[0] * l) * over, 0.0, 1.0);
-    const double b2 = std::clamp((position.at[1] + position.per_pixel[1] * l) * over, 0.0, 1 - b1);
+    const double b1 = Clamped((position.at[0] + position.per_pixel[0] * l) * over, 1);
+    const double b2 = Clamped((position.at[1] + position.per_pixel[1] * l) * over, 1 - b1);
     const double weight = weight_ * double(next - at);
     Color& share = shares_of_lane_[step];
     for (size_t c = 0; c < 3; ++c) {
@@ -176,11 +181,9 @@ void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t wei
                    .weight = share.weight * uint64_t(weight_of_instant)};
     if (triangle.needs_position) {
       const double over = share.position[2];
-      const double b1 = share.position[0] / over;
-      const double b2 = share.position[1] / over;
       // Rounding must not leave the triangle.
-      pair.b1 = b1 > 0 ? std::min(b1, 1.0) : 0;
-      pair.b2 = b2 > 0 ? std::min(b2, 1 - pair.b1) : 0;
+      pair.b1 = Clamped(share.position[0] / over, 1);
+      pair.b2 = Clamped(share.position[1] / over, 1 - pair.b1);
     }
     weights_->Add(PixelOf(lane, step), pair);
     share = {};

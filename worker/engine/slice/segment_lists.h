@@ -70,6 +70,7 @@ struct SegmentLists {
     std::fill_n(end.data() + at, kLanes, 0);
     std::fill_n(depth.data() + at, kLanes, 0.0f);
     std::fill_n(slope.data() + at, kLanes, 0.0f);
+    std::fill_n(index.data() + at, kLanes, 0);  // Looked up with the others' ids, though never shown.
   }
 };
 

@@ -50,6 +50,8 @@ HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int fr
   const auto row_b = all(placed.row_b[j]);
   const auto position_a = all(placed.position_a[j]);
   const auto depth_a = all(double(placed.depth_a[j]));
+  const auto least = all(double(placed.least[j]));
+  const auto end = all(double(placed.most[j]) + 1);
 
   for (int lanes = from; lanes <= to; lanes += int(hn::Lanes(d))) {
     const auto lane = hn::Iota(d, double(lanes));
@@ -73,9 +75,10 @@ HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int fr
     const auto depth_low = hn::IfThenElse(long_first, long_depth, short_depth);
     const auto depth_high = hn::IfThenElse(long_first, short_depth, long_depth);
 
-    // Round to subpixels, within the line: truncation rounds to nearest, as positions are not negative.
-    const auto line_begin = hn::PromoteTo(d, hn::LoadU(i32, group.begin.data() + lanes));
-    const auto line_end = hn::PromoteTo(d, hn::LoadU(i32, group.end.data() + lanes));
+    // Round to subpixels, within the line and, where rounding of far corners left them, the triangle's
+    // bounds: truncation rounds to nearest, as positions are not negative.
+    const auto line_begin = hn::Max(hn::PromoteTo(d, hn::LoadU(i32, group.begin.data() + lanes)), least);
+    const auto line_end = hn::Min(hn::PromoteTo(d, hn::LoadU(i32, group.end.data() + lanes)), end);
     const auto b = hn::DemoteTo(i32, hn::Min(hn::Max(hn::Add(low, half), line_begin), line_end));
     const auto e = hn::DemoteTo(i32, hn::Min(hn::Max(hn::Add(high, half), line_begin), line_end));
     hn::StoreU(b, i32, out.begin + lanes);
