@@ -88,11 +88,12 @@ double DepthAt(const HostileSegment& s, int32_t x) {
 }
 
 /// What rounding may do to a depth at x: of the depth, of the slope's product with a distance that is itself
-/// rounded, and of the place where another comes in front, which is a whole subpixel.
+/// rounded, and of the place where another comes in front, which is a whole subpixel. The place where a third
+/// one falls behind both is rounded too: by 2^-24 of how far it falls, 1 at most.
 double Rounding(const HostileSegment& s, int32_t x) {
   const double distance = double(int64_t{x} - s.begin);
   return 0x1p-22 * (std::abs(double(s.depth)) + std::abs(double(s.slope)) * distance) +
-         std::abs(double(s.slope)) + 0x1p-148;
+         std::abs(double(s.slope)) + 0x1p-22;
 }
 
 /// Holds pieces of the segments within [begin, end) against all segments. `rounding` multiplies what is
