@@ -9,7 +9,7 @@
 
 #include "tests/fuzz/hostile_segments.h"
 #include "tests/fuzz/hostile_values.h"
-#include "tests/fuzz/only_target.h"
+#include "tests/support/only_target.h"
 #include "worker/engine/slice/kernels.h"
 #include "worker/engine/visibility/envelope.h"
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/fuzz/only_target.h"
+#include "tests/support/only_target.h"
 #include "tests/support/scalar_resolver.h"
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/slice/kernels.h"

@@ -1,6 +1,5 @@
 // The kernels give the same bits on every instruction set.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <map>
 #include <numeric>
@@ -9,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/support/only_target.h"
 #include "tests/support/random_soup.h"
 #include "tests/support/resolved_tile.h"
 #include "worker/engine/slice/kernels.h"
@@ -57,35 +57,16 @@ Result ResolveSoup(uint64_t seed, bool curved) {
   return result;
 }
 
-/// Lets kernels run on one instruction set only, until it goes out of scope.
-class OnlyTarget {
- public:
-  explicit OnlyTarget(int64_t target) { Choose(target); }
-  ~OnlyTarget() { Choose(0); }
-  OnlyTarget(const OnlyTarget&) = delete;
-  OnlyTarget& operator=(const OnlyTarget&) = delete;
-
- private:
-  static void Choose(int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
-
 TEST(Targets, AllGiveTheSameBits) {
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Result best = ResolveSoup(seed, seed % 2 == 0);
     ASSERT_FALSE(best.pairs.empty());
     std::set<std::string> seen{KernelTarget()};
-    const int64_t supported = hwy::SupportedTargets();
-    for (int bit = 0; bit < 63; ++bit) {
-      const int64_t target = int64_t{1} << bit;
-      if ((supported & target) == 0) continue;
-      const OnlyTarget only(target);
+    ForEachTarget([&] {
       seen.insert(KernelTarget());
       EXPECT_TRUE(ResolveSoup(seed, seed % 2 == 0) == best) << KernelTarget();
-    }
+    });
     // At least the machine's own and an older one have been compared.
     EXPECT_GE(seen.size(), 2u);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -10,24 +9,12 @@
 #include "common/base/check.h"
 #include "common/math/tolerance.h"
 #include "worker/engine/render/make_resolver.h"
+#include "worker/engine/render/stage_timer.h"
 #include "worker/engine/shading/footprint.h"
 #include "worker/engine/shading/shade.h"
 
 namespace shutterline::engine {
 namespace {
-
-/// Adds the time since the last lap to one of the stages.
-class StageTimer {
- public:
-  void Lap(double& seconds) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// A pair's share of its pixel.
 struct Contribution {

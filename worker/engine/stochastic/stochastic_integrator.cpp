@@ -1,11 +1,11 @@
 #include "worker/engine/stochastic/stochastic_integrator.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/status_macros.h"
+#include "worker/engine/render/stage_timer.h"
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/stochastic/cell.h"
 #include "worker/engine/stochastic/cell_film.h"
@@ -14,18 +14,6 @@
 
 namespace shutterline::engine {
 namespace {
-
-class StageTimer {
- public:
-  void Lap(double& seconds) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 std::vector<StochasticTraits> TraitsOf(const FrameScene& frame) {
   std::vector<StochasticTraits> traits;
