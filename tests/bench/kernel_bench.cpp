@@ -6,11 +6,11 @@
 #include <memory>
 
 #include "tests/support/engine_frame.h"
+#include "tests/support/line_weights.h"
 #include "worker/engine/accel/bvh.h"
 #include "worker/engine/sampling/line_pattern.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/visibility/envelope.h"
-#include "worker/engine/visibility/line_weights.h"
 #include "worker/engine/visibility/pair_weights.h"
 #include "worker/engine/visibility/segment.h"
 #include "worker/engine/visibility/tile_triangles.h"

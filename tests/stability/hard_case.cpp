@@ -133,4 +133,15 @@ double FittedSlope(const std::vector<int>& n, const std::vector<double>& error) 
   return (count * sxy - sx * sy) / (count * sxx - sx * sx);
 }
 
+double SlidingRectangle(double x0, double a, double v) {
+  const auto ramp = [](double z) { return z < 0 ? 0 : z <= 1 ? z * z / 2 : z - 0.5; };
+  return (ramp(x0 + a + v) - ramp(x0 + a) - ramp(x0 + v) + ramp(x0)) / v;
+}
+
+Case Sliding(double x0, double a, double v) {
+  Case c;
+  AddRectangle(c, x0, -50, x0 + a, 50, v, 0);
+  return c;
+}
+
 }  // namespace shutterline::engine::hard_case

@@ -48,6 +48,11 @@ void AddQuad(Case& c, const std::array<RasterPoint, 4>& open, const std::array<R
 void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx, double vy,
                   double depth = 0.5);
 
+/// Row 1: a rectangle from x0, `a` wide and higher than any pixel, that slides by v; and what of the pixel it
+/// covers over the shutter.
+Case Sliding(double x0, double a, double v);
+double SlidingRectangle(double x0, double a, double v);
+
 /// Coverage of the pixel, per triangle and in sum.
 struct Answer {
   std::vector<double> coverage;

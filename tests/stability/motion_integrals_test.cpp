@@ -31,18 +31,6 @@ double Uniform(uint64_t seed, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Row 1's closed form.
-double SlidingRectangle(double x0, double a, double v) {
-  const auto ramp = [](double z) { return z < 0 ? 0 : z <= 1 ? z * z / 2 : z - 0.5; };
-  return (ramp(x0 + a + v) - ramp(x0 + a) - ramp(x0 + v) + ramp(x0)) / v;
-}
-
-Case Sliding(double x0, double a, double v) {
-  Case c;
-  AddRectangle(c, x0, -50, x0 + a, 50, v, 0);
-  return c;
-}
-
 TEST(MotionIntegrals, Row01SlidingRectangle) {
   EXPECT_NEAR(SlidingRectangle(-2.3, 0.4, 5.1), 0.0784314, 1e-7);
   for (const Variant& variant : VariantsThatKeepLines()) {

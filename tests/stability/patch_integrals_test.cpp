@@ -21,17 +21,6 @@ Answer See(const Case& c, PatternKind pattern, int time_cells, const Variant& va
   return Resolve(c, settings, variant);
 }
 
-double SlidingRectangle(double x0, double a, double v) {
-  const auto ramp = [](double z) { return z < 0 ? 0 : z <= 1 ? z * z / 2 : z - 0.5; };
-  return (ramp(x0 + a + v) - ramp(x0 + a) - ramp(x0 + v) + ramp(x0)) / v;
-}
-
-Case Sliding(double x0, double a, double v) {
-  Case c;
-  AddRectangle(c, x0, -50, x0 + a, 50, v, 0);
-  return c;
-}
-
 TEST(PatchIntegrals, Row01SlidingRectangle) {
   for (uint64_t seed = 1; seed <= 32; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "common/base/check.h"
+#include "tests/support/line_weights.h"
 #include "worker/engine/visibility/front_to_back.h"
-#include "worker/engine/visibility/line_weights.h"
 #include "worker/engine/visibility/tile_triangles.h"
 
 namespace shutterline::engine {

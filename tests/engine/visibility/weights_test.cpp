@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "common/math/tolerance.h"
-#include "worker/engine/visibility/line_weights.h"
+#include "tests/support/line_weights.h"
 #include "worker/engine/visibility/pair_weights.h"
 #include "worker/engine/visibility/time_samples.h"
 

@@ -29,19 +29,6 @@ bool CanonicalOrder(const Contribution& a, const Contribution& b) {
          std::tie(b.weight, b.color.x, b.color.y, b.color.z);
 }
 
-std::vector<PrimitiveTraits> TraitsOf(const FrameScene& frame) {
-  std::vector<PrimitiveTraits> traits;
-  traits.reserve(frame.primitives.size());
-  for (const FramePrimitive& primitive : frame.primitives) {
-    const Material& material = *primitive.material;
-    traits.push_back(
-        {.cull_back = !material.double_sided,
-         .needs_position = !IsConstantShade(frame, primitive),
-         .textured = material.base_color_texture.texture >= 0 || material.emissive_texture.texture >= 0});
-  }
-  return traits;
-}
-
 /// The footprint of a pixel in the middle of the pair's part of the shutter.
 Footprint FootprintOf(const FrameScene& frame, const PixelPair& pair, const Barycentric& at, int bins_log2) {
   const FrameTriangle& triangle = frame.triangles[pair.triangle];

@@ -110,4 +110,17 @@ bool IsConstantShade(const FrameScene& frame, const FramePrimitive& primitive) {
          !IsUsed(frame, *primitive.source, material.base_color_texture);
 }
 
+std::vector<PrimitiveTraits> TraitsOf(const FrameScene& frame) {
+  std::vector<PrimitiveTraits> traits;
+  traits.reserve(frame.primitives.size());
+  for (const FramePrimitive& primitive : frame.primitives) {
+    const Material& material = *primitive.material;
+    traits.push_back(
+        {.cull_back = !material.double_sided,
+         .needs_position = !IsConstantShade(frame, primitive),
+         .textured = material.base_color_texture.texture >= 0 || material.emissive_texture.texture >= 0});
+  }
+  return traits;
+}
+
 }  // namespace shutterline::engine

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/primitive_traits.h"
 
 namespace shutterline::engine {
 
@@ -28,5 +30,8 @@ V3f Shade(const FrameScene& frame, uint32_t triangle, const Barycentric& at, con
 /// True if Shade returns the same value all over every triangle of the primitive: then `at` and
 /// `footprint` are never looked at and callers need not compute them.
 bool IsConstantShade(const FrameScene& frame, const FramePrimitive& primitive);
+
+/// By primitive of the frame.
+std::vector<PrimitiveTraits> TraitsOf(const FrameScene& frame);
 
 }  // namespace shutterline::engine

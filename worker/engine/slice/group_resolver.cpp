@@ -97,7 +97,7 @@ void GroupResolver::ChooseStretches() {
 void GroupResolver::ResolveStatic() {
   for (int k = 0; k < stretches_; ++k) {
     lists_[size_t(k)].Clear();
-    lists_[size_t(k)].compact_at = kFirstBatch;
+    lists_[size_t(k)].compact_at = CompactAt(0);
     static_lists_[size_t(k)].Clear();
     static_pieces_[size_t(k)].rows = 0;
     HiddenBelow& hidden = hidden_below_[size_t(k)];
@@ -164,7 +164,7 @@ void GroupResolver::ResolveInstant(double t) {
       holds_static_[size_t(k)] = true;
     }
     lists.Truncate(static_lists_[size_t(k)].rows);
-    lists.compact_at = std::max(lists.rows + kFirstBatch, 2 * lists.rows);
+    lists.compact_at = CompactAt(lists.rows);
     hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)];
   }
   FillLists(moving_stratum_);
@@ -242,8 +242,7 @@ void GroupResolver::Compact(int stretch) {
       hidden = std::max(hidden, farthest);
     }
   }
-  // Doubling keeps the work of all compactions within a constant factor of the last one.
-  compacted_.compact_at = std::max(compacted_.rows + kFirstBatch, 2 * compacted_.rows);
+  compacted_.compact_at = CompactAt(compacted_.rows);
   compacted_.stretch_begin = lists.stretch_begin;
   compacted_.stretch_end = lists.stretch_end;
   compacted_.touched = lists.touched;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,9 @@ class GroupResolver {
   static constexpr int kMostStretches = 1 << (kMaxLinePixelsLog2 - kShortestStretchLog2);
   /// Segments that a list takes before what is hidden among them is dropped.
   static constexpr int32_t kFirstBatch = 8;
+  /// The length at which a list that has just been compacted to `rows` is next. Doubling keeps the work of
+  /// all compactions within a constant factor of the last one.
+  static constexpr int32_t CompactAt(int32_t rows) { return std::max(rows + kFirstBatch, 2 * rows); }
 
   void GatherTriangles();
   void ChooseStretches();

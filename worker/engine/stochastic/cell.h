@@ -94,6 +94,13 @@ struct PassShape {
   friend bool operator==(const PassShape&, const PassShape&) = default;
 };
 
+/// The place of a pixel in the order of blocks.
+inline size_t PixelIndex(const PassShape& shape, int x, int y) {
+  const int log2 = shape.block_log2, mask = shape.block() - 1;
+  const int block = (y >> log2) * shape.blocks_per_side() + (x >> log2);
+  return (size_t(block) << (2 * log2)) + size_t(((y & mask) << log2) + (x & mask));
+}
+
 /// Of a pixel's samples in a pass, where stratum `s` of pixel (x, y) of the cell lies in PassBuffers.
 inline size_t SampleIndex(const PassShape& shape, int x, int y, int s) {
   const int mask = shape.block() - 1;

@@ -12,13 +12,6 @@ namespace {
 /// A pixel with more pairs than this finds them through a hash table.
 constexpr uint32_t kLongestSearch = 24;
 
-/// The place of a pixel in the order of blocks.
-size_t PixelOf(const PassShape& shape, int x, int y) {
-  const int log2 = shape.block_log2, mask = shape.block() - 1;
-  const int block = (y >> log2) * shape.blocks_per_side() + (x >> log2);
-  return (size_t(block) << (2 * log2)) + size_t(((y & mask) << log2) + (x & mask));
-}
-
 }  // namespace
 
 void CellFilm::Reset(const FrameScene& frame, const CellTriangles& cell) {
@@ -96,7 +89,7 @@ void CellFilm::AddVarying(const Pass& pass, const PassBuffers& buffers) {
   const int strata = std::min(pass.shape.strata, pass.spp - pass.first_stratum);
   for (int y = pass.y0; y < pass.y1; ++y) {
     for (int x = pass.x0; x < pass.x1; ++x) {
-      const size_t pixel = PixelOf(pass.shape, x, y);
+      const size_t pixel = PixelIndex(pass.shape, x, y);
       Rgba sum = group_[pixel];
       for (int s = 0; s < strata; ++s) {
         const size_t at = SampleIndex(pass.shape, x, y, s);
@@ -177,7 +170,7 @@ void CellFilm::Write(const Pass& pass, int x, int y, const TileRect& rect, std::
   std::vector<Share> shares;
   for (int row = pass.y0; row < pass.y1; ++row) {
     for (int column = pass.x0; column < pass.x1; ++column) {
-      const size_t pixel = PixelOf(pass.shape, column, row);
+      const size_t pixel = PixelIndex(pass.shape, column, row);
       std::array<double, 4> sum = total_[pixel];
       shares.clear();
       for (uint32_t i = varying_ ? first_pair_[pixel] : 0; i != 0; i = pairs_[i].next) {

@@ -55,12 +55,12 @@ class CellSetup {
   CellSetup(const FrameScene& frame, int x, int y, CellTriangles& cell)
       : frame_(frame), x_(x), y_(y), cell_(cell) {}
 
-  void Add(uint32_t id, const StochasticTraits& traits);
+  void Add(uint32_t id, const PrimitiveTraits& traits);
   void Finish();
 
  private:
   void AddPiece(CellTriangle triangle, const FramePrimitive& primitive, int piece, bool rests,
-                const StochasticTraits& traits);
+                const PrimitiveTraits& traits);
   void PlaceVertex(const FramePrimitive& primitive, uint32_t number, int piece, int degree, int k);
   void AddCoefficients(CellTriangle& triangle);
   void AddEdge(const MovingVertex& lo, const MovingVertex& hi, int degree);
@@ -188,7 +188,7 @@ bool CellSetup::Measure(CellTriangle& triangle, int degree) {
   return true;
 }
 
-void CellSetup::Add(uint32_t id, const StochasticTraits& traits) {
+void CellSetup::Add(uint32_t id, const PrimitiveTraits& traits) {
   const FrameTriangle& source = frame_.triangles[id];
   const FramePrimitive& primitive = frame_.primitives[source.primitive];
   const CellTriangle triangle{
@@ -205,7 +205,7 @@ void CellSetup::Add(uint32_t id, const StochasticTraits& traits) {
 }
 
 void CellSetup::AddPiece(CellTriangle triangle, const FramePrimitive& primitive, int piece, bool rests,
-                         const StochasticTraits& traits) {
+                         const PrimitiveTraits& traits) {
   const int degree = rests ? 0 : primitive.degree;
   triangle.degree = uint8_t(degree);
   if (!rests) {
@@ -284,7 +284,7 @@ void CellSetup::Finish() {
 
 }  // namespace
 
-void SetUpCell(const FrameScene& frame, std::span<const StochasticTraits> traits, int x, int y,
+void SetUpCell(const FrameScene& frame, std::span<const PrimitiveTraits> traits, int x, int y,
                std::span<const uint32_t> candidates, CellTriangles& cell) {
   cell.degree = 0;
   cell.constant_z = true;

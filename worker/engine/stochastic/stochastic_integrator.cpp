@@ -15,28 +15,12 @@
 namespace shutterline::engine {
 namespace {
 
-std::vector<StochasticTraits> TraitsOf(const FrameScene& frame) {
-  std::vector<StochasticTraits> traits;
-  traits.reserve(frame.primitives.size());
-  for (const FramePrimitive& primitive : frame.primitives) {
-    const Material& material = *primitive.material;
-    traits.push_back(
-        {.cull_back = !material.double_sided,
-         .needs_position = !IsConstantShade(frame, primitive),
-         .textured = material.base_color_texture.texture >= 0 || material.emissive_texture.texture >= 0});
-  }
-  return traits;
-}
-
 /// Keys of the cell's pixels in the order of a shape's blocks.
 void MakeKeys(const StratifiedPattern& pattern, const TileRect& cell, const Pass& pass,
               PassBuffers& buffers) {
-  const PassShape& shape = pass.shape;
-  const int log2 = shape.block_log2, mask = shape.block() - 1;
   for (int y = pass.y0; y < pass.y1; ++y) {
     for (int x = pass.x0; x < pass.x1; ++x) {
-      const int block = (y >> log2) * shape.blocks_per_side() + (x >> log2);
-      const size_t to = (size_t(block) << (2 * log2)) + size_t(((y & mask) << log2) + (x & mask));
+      const size_t to = PixelIndex(pass.shape, x, y);
       const SampleKeys keys = pattern.Keys(cell.x + x, cell.y + y, pass.first_stratum);
       buffers.key_a[to] = keys.a;
       buffers.key_b[to] = keys.b;

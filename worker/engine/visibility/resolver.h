@@ -6,9 +6,9 @@
 #include "common/job/tile.h"
 #include "worker/engine/render/stats.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/primitive_traits.h"
 #include "worker/engine/visibility/color_film.h"
 #include "worker/engine/visibility/pair_weights.h"
-#include "worker/engine/visibility/primitive_traits.h"
 
 namespace shutterline::engine {
 

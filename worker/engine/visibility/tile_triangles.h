@@ -8,7 +8,7 @@
 #include "common/job/tile.h"
 #include "worker/engine/sampling/line_pattern.h"
 #include "worker/engine/scene/frame_scene.h"
-#include "worker/engine/visibility/primitive_traits.h"
+#include "worker/engine/scene/primitive_traits.h"
 
 namespace shutterline::engine {
 

@@ -1,4 +1,4 @@
-#include "worker/engine/visibility/line_weights.h"
+#include "tests/support/line_weights.h"
 
 #include <algorithm>
 #include <cstring>
