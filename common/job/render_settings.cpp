@@ -18,9 +18,11 @@ constexpr Words<IntegratorKind, 3> kIntegrators{{{IntegratorKind::kLine, "line"}
                                                  {IntegratorKind::kStochastic, "stochastic"}}};
 constexpr Words<ReferenceLayout, 2> kReferenceLayouts{
     {{ReferenceLayout::kMotionBvh, "motion-bvh"}, {ReferenceLayout::kSharedInstants, "shared-instants"}}};
-constexpr Words<PatternKind, 4> kPatterns{{{PatternKind::k1h1v, "1h1v"},
+constexpr Words<PatternKind, 6> kPatterns{{{PatternKind::k1h1v, "1h1v"},
                                            {PatternKind::k2h2v, "2h2v"},
                                            {PatternKind::k4h4v, "4h4v"},
+                                           {PatternKind::k8h8v, "8h8v"},
+                                           {PatternKind::k16h16v, "16h16v"},
                                            {PatternKind::kRgls, "rgls"}}};
 constexpr Words<ResolverKind, 2> kResolvers{
     {{ResolverKind::kSlice, "slice"}, {ResolverKind::kPaper, "paper"}}};

@@ -11,7 +11,7 @@ namespace shutterline {
 
 enum class IntegratorKind { kLine, kReference, kStochastic };
 enum class ReferenceLayout { kMotionBvh, kSharedInstants };
-enum class PatternKind { k1h1v, k2h2v, k4h4v, kRgls };
+enum class PatternKind { k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
 enum class PixelType { kHalf, kFloat };
 enum class ExrCompression { kNone, kZip, kPiz, kDwaa };

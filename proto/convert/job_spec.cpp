@@ -22,9 +22,11 @@ constexpr Pairs<IntegratorKind, v1::Integrator, 3> kIntegrators{
 constexpr Pairs<ReferenceLayout, v1::ReferenceLayout, 2> kReferenceLayouts{
     {{ReferenceLayout::kMotionBvh, v1::REFERENCE_LAYOUT_MOTION_BVH},
      {ReferenceLayout::kSharedInstants, v1::REFERENCE_LAYOUT_SHARED_INSTANTS}}};
-constexpr Pairs<PatternKind, v1::Pattern, 4> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
+constexpr Pairs<PatternKind, v1::Pattern, 6> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
                                                         {PatternKind::k2h2v, v1::PATTERN_2H2V},
                                                         {PatternKind::k4h4v, v1::PATTERN_4H4V},
+                                                        {PatternKind::k8h8v, v1::PATTERN_8H8V},
+                                                        {PatternKind::k16h16v, v1::PATTERN_16H16V},
                                                         {PatternKind::kRgls, v1::PATTERN_RGLS}}};
 constexpr Pairs<ResolverKind, v1::Resolver, 2> kResolvers{
     {{ResolverKind::kSlice, v1::RESOLVER_SLICE}, {ResolverKind::kPaper, v1::RESOLVER_PAPER}}};

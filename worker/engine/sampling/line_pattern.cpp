@@ -29,6 +29,8 @@ const LinePattern& LinePattern::Get(PatternKind kind) {
   static const LinePattern k1h1v(AxisAligned(1));
   static const LinePattern k2h2v(AxisAligned(2));
   static const LinePattern k4h4v(AxisAligned(4));
+  static const LinePattern k8h8v(AxisAligned(8));
+  static const LinePattern k16h16v(AxisAligned(16));
   static const LinePattern kRgls(RotatedGrid());
   switch (kind) {
     case PatternKind::k1h1v:
@@ -37,6 +39,10 @@ const LinePattern& LinePattern::Get(PatternKind kind) {
       return k2h2v;
     case PatternKind::k4h4v:
       return k4h4v;
+    case PatternKind::k8h8v:
+      return k8h8v;
+    case PatternKind::k16h16v:
+      return k16h16v;
     case PatternKind::kRgls:
       return kRgls;
   }

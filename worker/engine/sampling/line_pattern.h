@@ -20,7 +20,7 @@ struct LineFamily {
   bool major_is_x = true;
   double slope = 0;    ///< Minor pixels per major pixel.
   double offset = 0;   ///< Pixels.
-  double spacing = 1;  ///< Pixels between neighbours along the minor axis; 1, 1/2 or 1/4.
+  double spacing = 1;  ///< Pixels between neighbours along the minor axis; a power of two, 1/16 to 1.
 };
 
 /// One line sample cut to a rectangle, in coordinates relative to the rectangle's top left corner.
@@ -36,7 +36,7 @@ struct TileLine {
 
 class LinePattern {
  public:
-  /// `1h1v`, `2h2v`, `4h4v`: horizontal and vertical lines through the pixels, evenly spaced.
+  /// `1h1v` to `16h16v`: horizontal and vertical lines through the pixels, evenly spaced.
   /// `rgls`: y = x/2 + k/2 and x = −y/2 + k/2; four lines through every pixel.
   static const LinePattern& Get(PatternKind kind);
 
