@@ -6,61 +6,70 @@
 #include <vector>
 
 #include "worker/engine/render/stats.h"
-#include "worker/engine/slice/line_group.h"
+#include "worker/engine/slice/instant_placer.h"
+#include "worker/engine/slice/kernels.h"
+#include "worker/engine/slice/line_class.h"
 #include "worker/engine/slice/line_sums.h"
 #include "worker/engine/slice/segment_lists.h"
-#include "worker/engine/slice/stratum.h"
-#include "worker/engine/slice/tile_mesh.h"
-#include "worker/engine/visibility/time_samples.h"
 
 namespace shutterline::engine {
 
-/// Resolves one group of lines of a tile: what stands still once, then every instant, front to back, in
-/// stretches of the lines that are short enough for their lists to be. Keeps its memory; one per thread.
+/// Resolves one group of lines, in stretches of the lines that are short enough for their lists to be. It is
+/// handed placed triangles: once those that stand still, then, instant by instant, those that move. Keeps its
+/// memory.
 class GroupResolver {
  public:
-  void Resolve(const TileMesh& mesh, const LineGroup& group, const TimeSamples& time_samples, LineSums& sums,
-               RenderStats& stats);
+  /// Begins a group of a class of a tile. Lines are cut into `stretches` stretches (a power of two).
+  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, int stretches,
+             TileColors& colors, RenderStats& stats);
 
- private:
+  /// The depth below which nothing can be seen anywhere on the lines.
+  float hidden_everywhere() const { return hidden_everywhere_; }
+
+  /// Cuts triangles by the lines.
+  void Take(const PlacedTriangles& placed);
+
+  /// What has been taken so far stands still: from now on only what is visible of it takes part.
+  void EndStatic();
+
+  void BeginInstant();
+  /// What is visible at shutter time t, with the triangles taken since BeginInstant, goes to the sums.
+  void EndInstant(InstantPlacer& moving, InstantPlacer& still, double t);
+  /// At `instants` instants nothing that moves is anywhere near.
+  void Rest(int64_t instants);
+
+  /// Hands on what has been seen. `still` holds the triangles that stand still.
+  void End(InstantPlacer& still, PairWeights& weights);
+
   /// Lines are at most kMaxLinePixels long and stretches at least kShortestStretch.
   static constexpr int kShortestStretchLog2 = 2;
   static constexpr int kMostStretches = 1 << (kMaxLinePixelsLog2 - kShortestStretchLog2);
+
+ private:
   /// Segments that a list takes before what is hidden among them is dropped.
   static constexpr int32_t kFirstBatch = 8;
   /// The length at which a list that has just been compacted to `rows` is next. Doubling keeps the work of
   /// all compactions within a constant factor of the last one.
   static constexpr int32_t CompactAt(int32_t rows) { return std::max(rows + kFirstBatch, 2 * rows); }
 
-  void GatherTriangles();
-  void ChooseStretches();
-  void ResolveStatic();
-  void KeepVisibleMoving();
-  void ResolveInstants(int64_t instants, double motion);
-  void ResolveInstant(double t);
-  /// Cuts all triangles of a stratum, at its instant, into lists_.
-  void FillLists(Stratum& stratum);
-  void Append(const GroupTriangles& triangles, const PlacedTriangles& placed);
-  /// The depth below which nothing can be seen anywhere on the lines.
-  float HiddenEverywhere() const;
   /// Drops what is hidden in a stretch, and notes what is hidden behind the rest.
   void Compact(int stretch);
+  void UpdateHiddenEverywhere();
   void AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces, double t,
-                 const std::array<int64_t, kLanes>& weights);
-  void AddPiece(int lane, int32_t begin, int32_t end, uint32_t index, double t, int64_t weight);
+                 const std::array<int64_t, kLanes>& weights, InstantPlacer* moving, InstantPlacer& still);
 
   const TileMesh* mesh_ = nullptr;
+  const LineClass* lines_ = nullptr;
   const LineGroup* group_ = nullptr;
-  LineSums* sums_ = nullptr;
+  TileColors* colors_ = nullptr;
   RenderStats* stats_ = nullptr;
-
-  std::vector<uint32_t> static_indices_, moving_indices_;
-  Stratum static_stratum_, moving_stratum_;
+  LineSums sums_;
 
   int stretches_ = 1;
   int shift_ = 0;
   std::array<SegmentLists, kMostStretches> lists_;
   std::array<HiddenBelow, kMostStretches> hidden_below_{};
+  float hidden_everywhere_ = 0;
   VisiblePieces pieces_;
 
   // Of Compact.
@@ -72,6 +81,7 @@ class GroupResolver {
   std::array<SegmentLists, kMostStretches> static_lists_;
   std::array<VisiblePieces, kMostStretches> static_pieces_;
   std::array<HiddenBelow, kMostStretches> static_hidden_below_{};
+  float static_hidden_everywhere_ = 0;
   std::array<bool, kMostStretches> holds_static_{};  // lists_ begins with static_lists_.
   /// Instants at which nothing that moves is on a lane's stretch.
   std::array<std::array<int64_t, kLanes>, kMostStretches> at_rest_;

@@ -22,19 +22,20 @@ HWY_EXPORT(MakeSegmentsKernel);
 HWY_EXPORT(MarchKernel);
 HWY_EXPORT(TargetName);
 
-void PlaceVertices(const MovingVertices& vertices, size_t begin, size_t end, bool curved, double t,
-                   double far_depth, PlacedVertices& placed) {
-  HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, begin, end, curved, t, far_depth, placed);
+void PlaceVertices(const MovingVertices& vertices, size_t begin, size_t end, double t, double far_depth,
+                   const LineAxes& axes, PlacedVertices& placed) {
+  HWY_DYNAMIC_DISPATCH(PlaceVerticesKernel)(vertices, begin, end, t, far_depth, axes, placed);
 }
 
 void PlaceTriangles(const GroupTriangles& triangles, size_t begin, size_t end, const PlacedVertices& vertices,
-                    double t, int lanes, int32_t length, PlacedTriangles& placed) {
-  HWY_DYNAMIC_DISPATCH(PlaceTrianglesKernel)(triangles, begin, end, vertices, t, lanes, length, placed);
+                    double t, const LineClass& lines, PlacedTriangles& placed) {
+  std::copy(triangles.index.data() + begin, triangles.index.data() + end, placed.index.data());
+  HWY_DYNAMIC_DISPATCH(PlaceTrianglesKernel)(triangles, begin, end, vertices, t, lines, placed);
 }
 
-size_t MakeSegments(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
-                    const LineGroup& group, Stretches& stretches, int64_t& made) {
-  return HWY_DYNAMIC_DISPATCH(MakeSegmentsKernel)(triangles, placed, first, group, stretches, made);
+size_t MakeSegments(const PlacedTriangles& placed, size_t first, const LineGroup& group, Stretches& stretches,
+                    int64_t& made) {
+  return HWY_DYNAMIC_DISPATCH(MakeSegmentsKernel)(placed, first, group, stretches, made);
 }
 
 void March(const SegmentLists& lists, const uint32_t* ids, const LineGroup& group, uint32_t active,

@@ -1,125 +1,47 @@
 #include "worker/engine/slice/line_sums.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace shutterline::engine {
 
-namespace {
-
-/// Colours are taken as one where they differ by less than this over a triangle: far below what eight bits
-/// show.
-constexpr double kColorTolerance = 1e-3;
-
-/// Within [0, most]; 0 for what is not a number, as positions on triangles that are all but seen edge-on.
-double Clamped(double x, double most) {
-  return x > 0 ? std::min(x, most) : 0;
-}
-
-}  // namespace
-
-void LineSums::BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights,
-                         ColorFilm* film) {
+void LineSums::Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group,
+                     TileColors& colors) {
   mesh_ = &mesh;
-  pattern_ = &pattern;
-  weights_ = &weights;
-  film_ = film;
-  if (film == nullptr) return;
-  const size_t count = mesh.triangles().size();
-  kinds_.assign(count, ColorKind::kUnknown);
-  if (colors_.size() >= count) return;
-  colors_.resize(count);
-  smooth_.resize(count);
-}
-
-void LineSums::BeginGroup(const LineGroup& group) {
+  lines_ = &lines;
   group_ = &group;
-  if (film_ == nullptr) return;
+  colors_ = &colors;
+  if (colors.film() == nullptr) return;
   for (int lane = 0; lane < group.lanes; ++lane) {
-    lane_sums_[size_t(lane)].fill({0, 0, 0, 0});
-    lane_shares_[size_t(lane)].fill({0, 0, 0, 0});
+    std::fill_n(lane_sums_[size_t(lane)].begin(), size_t(lines.length) + 2, Color{});
+    std::fill_n(lane_shares_[size_t(lane)].begin(), size_t(lines.length), Color{});
   }
-}
-
-void LineSums::Shade(uint32_t index) {
-  const std::optional<ColorNodes> nodes = film_->Shade(mesh_->triangles()[index].id);
-  if (!nodes) {
-    kinds_[index] = ColorKind::kApart;
-    return;
-  }
-  double range = 0;
-  const auto measure = [&](const V3f& color) {
-    for (int c = 0; c < 3; ++c) range = std::max(range, std::abs(double(color[c] - nodes->corners[0][c])));
-  };
-  for (const V3f& color : nodes->corners) measure(color);
-  if (nodes->quadratic) {
-    for (const V3f& color : nodes->middles) measure(color);
-  }
-  colors_[index][3] = 1;
-  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic};
-  for (int c = 0; c < 3; ++c) {
-    const auto k = size_t(c);
-    const double f0 = nodes->corners[0][c];
-    const double f1 = nodes->corners[1][c];
-    const double f2 = nodes->corners[2][c];
-    colors_[index][k] = range == 0 ? f0 : (f0 + f1 + f2) / 3;
-    std::array<Color, 6>& a = smooth_[index].coefficients;
-    a[0][k] = f0;
-    a[1][k] = f1 - f0;
-    a[2][k] = f2 - f0;
-    if (!nodes->quadratic) continue;
-    // Through the corners and the middles m01, m12, m20.
-    const double m01 = nodes->middles[0][c];
-    const double m12 = nodes->middles[1][c];
-    const double m20 = nodes->middles[2][c];
-    a[1][k] = 4 * m01 - 3 * f0 - f1;
-    a[2][k] = 4 * m20 - 3 * f0 - f2;
-    a[3][k] = 2 * (f0 + f1) - 4 * m01;
-    a[4][k] = 4 * (f0 + m12 - m01 - m20);
-    a[5][k] = 2 * (f0 + f2) - 4 * m20;
-  }
-  kinds_[index] = range < kColorTolerance ? ColorKind::kConstant : ColorKind::kSmooth;
 }
 
 void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
-  const Smooth& smooth = smooth_[index];
-  const std::array<Color, 6>& a = smooth.coefficients;
   for (int32_t at = begin; at < end;) {
     const int step = at >> kSubpixelBits;
     const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
-    // The colour in the middle of the part stands for its mean. Rounding must not leave the triangle.
+    // The colour in the middle of the part stands for its mean.
     const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
-    const double over = 1 / (position.at[2] + position.per_pixel[2] * l);
-    const double b1 = Clamped((position.at[0] + position.per_pixel[0] * l) * over, 1);
-    const double b2 = Clamped((position.at[1] + position.per_pixel[1] * l) * over, 1 - b1);
+    const Color color = colors_->ColorAt(index, position, l);
     const double weight = weight_ * double(next - at);
     Color& share = shares_of_lane_[step];
-    for (size_t c = 0; c < 3; ++c) {
-      double color = a[0][c] + b1 * a[1][c] + b2 * a[2][c];
-      if (smooth.quadratic) color += b1 * (b1 * a[3][c] + b2 * a[4][c]) + b2 * b2 * a[5][c];
-      share[c] += weight * color;
-    }
-    share[3] += weight;
+    for (size_t c = 0; c < 4; ++c) share[c] += weight * color[c];
     at = next;
   }
 }
 
-void LineSums::EndGroup(int64_t weight_of_instant) {
+void LineSums::End(PairWeights& weights) {
   for (int lane = 0; lane < group_->lanes; ++lane) {
-    if (film_ != nullptr) FlushColors(lane, weight_of_instant);
-    if (!apart_[size_t(lane)].empty()) FlushApart(lane, weight_of_instant);
+    if (colors_->film() != nullptr) FlushColors(lane);
+    if (!apart_[size_t(lane)].empty()) FlushApart(lane, weights);
   }
 }
 
-int64_t LineSums::PixelOf(int lane, int step) const {
-  const int minor = pattern_->MinorPixel(group_->lines[size_t(lane)], step);
-  return group_->major_is_x ? int64_t{minor} * mesh_->rect().width + step
-                            : int64_t{step} * mesh_->rect().width + minor;
-}
-
-void LineSums::FlushColors(int lane, int64_t weight_of_instant) {
-  const TileLine& line = group_->lines[size_t(lane)];
+void LineSums::FlushColors(int lane) {
+  const int row = group_->first_row + lane;
+  const TileLine& line = lines_->lines[size_t(row)];
   Color sum{0, 0, 0, 0};
   for (int step = line.first_step; step < line.end_step; ++step) {
     const Color& change = lane_sums_[size_t(lane)][size_t(step)];
@@ -128,12 +50,12 @@ void LineSums::FlushColors(int lane, int64_t weight_of_instant) {
     if (sum[3] == 0) sum = {0, 0, 0, 0};
     const Color& share = lane_shares_[size_t(lane)][size_t(step)];
     if (sum[3] + share[3] == 0) continue;
-    Color& pixel = film_->At(PixelOf(lane, step));
-    for (size_t c = 0; c < 4; ++c) pixel[c] += (sum[c] + share[c]) * double(weight_of_instant);
+    Color& pixel = colors_->film()->At(lines_->PixelOf(row, step));
+    for (size_t c = 0; c < 4; ++c) pixel[c] += sum[c] + share[c];
   }
 }
 
-void LineSums::FlushApart(int lane, int64_t weight_of_instant) {
+void LineSums::FlushApart(int lane, PairWeights& weights) {
   std::vector<Piece>& pieces = apart_[size_t(lane)];
   order_.resize(pieces.size());
   std::iota(order_.begin(), order_.end(), 0u);
@@ -165,12 +87,12 @@ void LineSums::FlushApart(int lane, int64_t weight_of_instant) {
         }
       }
     }
-    FlushTriangle(lane, first.index, first.bin, weight_of_instant);
+    FlushTriangle(lane, first.index, first.bin, weights);
   }
   pieces.clear();
 }
 
-void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t weight_of_instant) {
+void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights& weights) {
   const TileMeshTriangle& triangle = mesh_->triangles()[index];
   for (int step = first_step_; step <= last_step_; ++step) {
     Share& share = shares_[size_t(step)];
@@ -178,14 +100,14 @@ void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t wei
     PixelPair pair{.triangle = triangle.id,
                    .bin = bin,
                    .bins_log2 = triangle.shading_bins_log2,
-                   .weight = share.weight * uint64_t(weight_of_instant)};
+                   .weight = share.weight};
     if (triangle.needs_position) {
       const double over = share.position[2];
       // Rounding must not leave the triangle.
-      pair.b1 = Clamped(share.position[0] / over, 1);
-      pair.b2 = Clamped(share.position[1] / over, 1 - pair.b1);
+      pair.b1 = ClampedFromZero(share.position[0] / over, 1);
+      pair.b2 = ClampedFromZero(share.position[1] / over, 1 - pair.b1);
     }
-    weights_->Add(PixelOf(lane, step), pair);
+    weights.Add(lines_->PixelOf(group_->first_row + lane, step), pair);
     share = {};
   }
 }

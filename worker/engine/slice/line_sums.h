@@ -5,26 +5,12 @@
 #include <vector>
 
 #include "common/math/tolerance.h"
-#include "worker/engine/slice/line_group.h"
-#include "worker/engine/slice/tile_mesh.h"
+#include "worker/engine/slice/line_class.h"
+#include "worker/engine/slice/tile_colors.h"
 #include "worker/engine/visibility/color_film.h"
 #include "worker/engine/visibility/pair_weights.h"
 
 namespace shutterline::engine {
-
-/// Perspective-correct position on a triangle along a line: barycentric coordinates b1 and b2 and their sum
-/// with b0, all over w, each at + per_pixel · l. Divide the first two by the third.
-struct LinePosition {
-  std::array<double, 3> at{1.0 / 3, 1.0 / 3, 1}, per_pixel{0, 0, 0};
-};
-
-/// How a triangle's colour is known.
-enum class ColorKind : uint8_t {
-  kUnknown,   ///< Not looked at yet.
-  kConstant,  ///< One colour.
-  kSmooth,    ///< Linear or quadratic over it.
-  kApart,     ///< By shading each of its pixels: it is kept apart.
-};
 
 /// What a group's lines see, gathered over the instants before it goes to the pixels.
 ///
@@ -35,17 +21,8 @@ enum class ColorKind : uint8_t {
 /// way, in integers. Other pieces are kept until the group is done, then gathered by triangle.
 class LineSums {
  public:
-  /// Begins a tile. `film` may be null: everything is kept apart by triangle then.
-  void BeginTile(const TileMesh& mesh, const LinePattern& pattern, PairWeights& weights, ColorFilm* film);
-
-  void BeginGroup(const LineGroup& group);
-
-  /// Of a triangle of the tile's mesh, which is shaded when it is first seen.
-  ColorKind KindOf(uint32_t index) {
-    if (film_ == nullptr) return ColorKind::kApart;
-    if (kinds_[index] == ColorKind::kUnknown) Shade(index);
-    return kinds_[index];
-  }
+  /// Begins a group of a class of a tile.
+  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, TileColors& colors);
 
   /// Adds pieces of one lane in ascending order, which do not overlap: Begin, then pieces, then End.
   /// `weight` counts instants.
@@ -57,7 +34,7 @@ class LineSums {
     end_ = 0;
   }
   void AddFlat(int32_t begin, int32_t end, uint32_t index) {
-    const Color& color = colors_[index];
+    const Color& color = colors_->ColorOf(index);
     if (color_ == &color && begin == end_) {
       end_ = end;
       return;
@@ -90,11 +67,11 @@ class LineSums {
     apart_[size_t(lane)].push_back({begin, end, index, bin, weight, position});
   }
 
-  /// Hands everything on; `weight_of_instant` in units of PairWeights::total().
-  void EndGroup(int64_t weight_of_instant);
+  /// Hands everything on, in instants times subpixels.
+  void End(PairWeights& weights);
 
  private:
-  using Color = std::array<double, 4>;  // Radiance and coverage.
+  using Color = TileColors::Color;
   struct Piece {
     int32_t begin, end;
     uint32_t index;
@@ -108,8 +85,6 @@ class LineSums {
     std::array<double, 3> position{};
   };
 
-  void Shade(uint32_t index);
-
   /// From subpixel x on the line's colour is another.
   void Change(int32_t x, const Color& change) {
     const int step = x >> kSubpixelBits;
@@ -120,27 +95,15 @@ class LineSums {
     for (size_t c = 0; c < 4; ++c) sums[1][c] += change[c] * in_next;
   }
 
-  void FlushColors(int lane, int64_t weight_of_instant);
-  void FlushApart(int lane, int64_t weight_of_instant);
-  void FlushTriangle(int lane, uint32_t index, uint16_t bin, int64_t weight_of_instant);
-  int64_t PixelOf(int lane, int step) const;
+  void FlushColors(int lane);
+  void FlushApart(int lane, PairWeights& weights);
+  void FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights& weights);
 
   const TileMesh* mesh_ = nullptr;
-  const LinePattern* pattern_ = nullptr;
-  PairWeights* weights_ = nullptr;
-  ColorFilm* film_ = nullptr;
+  const LineClass* lines_ = nullptr;
   const LineGroup* group_ = nullptr;
+  TileColors* colors_ = nullptr;
 
-  /// Coefficients of 1, b1, b2, b1², b1 b2, b2².
-  struct Smooth {
-    std::array<Color, 6> coefficients;
-    bool quadratic;
-  };
-
-  // By triangle of the mesh; the last where its colour is smooth.
-  std::vector<ColorKind> kinds_;
-  std::vector<Color> colors_;
-  std::vector<Smooth> smooth_;
   /// By lane and step: differences along the line, and what is added to single steps.
   std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
   std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_;

@@ -22,29 +22,33 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 8>;
 using DoublesV = hn::Vec<Doubles>;
 
-inline void PlaceVerticesKernel(const MovingVertices& vertices, size_t begin, size_t end, bool curved,
-                                double t, double far_depth, PlacedVertices& placed) {
+inline void PlaceVerticesKernel(const MovingVertices& vertices, size_t begin, size_t end, double t,
+                                double far_depth, const LineAxes& axes, PlacedVertices& placed) {
   const Doubles d;
   const auto time = hn::Set(d, t);
   const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
   const auto one = hn::Set(d, 1.0);
   const auto subpixels = hn::Set(d, double(kSubpixelsPerPixel));
   const auto far = hn::Set(d, far_depth);
+  const auto slope = hn::Set(d, axes.slope);
+  const auto intercept = hn::Set(d, axes.intercept);
+  const int major = axes.major_is_x ? 0 : 1;
   const auto& power = vertices.power;
+  const size_t first_curved = vertices.first_curved();
   for (size_t i = begin; i < end; i += hn::Lanes(d)) {
-    DoublesV at[kLineCoordinates];
-    if (curved) {
-      const size_t k = i - Padded(vertices.linear);
+    DoublesV at[kRasterCoordinates];
+    if (i >= first_curved) {
+      const size_t k = i - first_curved;
       const auto tau = hn::Add(hn::Mul(time, hn::LoadU(d, vertices.time_scale.data() + k)),
                                hn::LoadU(d, vertices.time_offset.data() + k));
-      for (int c = 0; c < kLineCoordinates; ++c) {
+      for (int c = 0; c < kRasterCoordinates; ++c) {
         at[c] = hn::LoadU(d, power[3][c].data() + i);
         for (int p = 2; p >= 0; --p) {
           at[c] = hn::Add(hn::LoadU(d, power[p][c].data() + i), hn::Mul(tau, at[c]));
         }
       }
     } else {
-      for (int c = 0; c < kLineCoordinates; ++c) {
+      for (int c = 0; c < kRasterCoordinates; ++c) {
         at[c] = hn::Add(hn::LoadU(d, power[0][c].data() + i),
                         hn::Mul(time, hn::LoadU(d, power[1][c].data() + i)));
       }
@@ -53,23 +57,26 @@ inline void PlaceVerticesKernel(const MovingVertices& vertices, size_t begin, si
     const auto inverse = hn::Div(one, at[3]);
     const auto inside = hn::And(hn::And(hn::Ge(at[3], at[2]), hn::Gt(at[3], hn::Zero(d))),
                                 hn::Ge(at[2], hn::Mul(far, at[3])));
-    hn::StoreU(hn::IfThenElse(inside, hn::Mul(at[0], inverse), nan), d, placed.row.data() + i);
-    hn::StoreU(hn::Mul(hn::Mul(at[1], inverse), subpixels), d, placed.position.data() + i);
+    const auto position = hn::Mul(at[major], inverse);
+    const auto minor = hn::Mul(at[1 - major], inverse);
+    const auto row = hn::Sub(hn::Sub(minor, hn::Mul(slope, position)), intercept);
+    hn::StoreU(hn::IfThenElse(inside, row, nan), d, placed.row.data() + i);
+    hn::StoreU(hn::Mul(position, subpixels), d, placed.position.data() + i);
     hn::StoreU(hn::Mul(at[2], inverse), d, placed.depth.data() + i);
   }
 }
 
 /// Appends the numbers of the lanes that are set, counted from `first`.
-HWY_INLINE void AppendSet(Doubles d, hn::Mask<Doubles> mask, uint32_t first, std::vector<uint32_t>& numbers) {
+HWY_INLINE void AppendSet(Doubles d, hn::Mask<Doubles> mask, size_t first, uint8_t* numbers, size_t& count) {
   uint8_t bits[8] = {0};
   hn::StoreMaskBits(d, mask, bits);
   for (uint32_t left = bits[0]; left != 0; left &= left - 1) {
-    numbers.push_back(first + uint32_t(std::countr_zero(left)));
+    numbers[count++] = uint8_t(first + size_t(std::countr_zero(left)));
   }
 }
 
 inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, size_t end,
-                                 const PlacedVertices& vertices, double t, int lanes, int32_t length,
+                                 const PlacedVertices& vertices, double t, const LineClass& lines,
                                  PlacedTriangles& out) {
   const Doubles d;
   const hn::Rebind<int32_t, Doubles> i32;
@@ -80,22 +87,25 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
   const auto one = hn::Set(d, 1.0);
   const auto largest = hn::Set(d, std::numeric_limits<double>::max());
   const auto time = hn::Set(d, t);
-  const auto last_lane = hn::Set(d, double(lanes - 1));
-  const auto line_end = hn::Set(d, double(length));
+  const auto last_row = hn::Set(d, double(lines.rows() - 1));
+  const auto line_end = hn::Set(d, double(lines.length) * double(kSubpixelsPerPixel));
+  // Raster y points down, which makes triangles that turn counter-clockwise turn the other way, and exchanging
+  // the axes turns them again.
+  const auto facing = hn::Set(d, lines.axes.major_is_x ? 1.0 : -1.0);
 
-  out.met.clear();
-  out.clipped.clear();
+  out.met_count = 0;
+  out.clipped_count = 0;
   for (size_t i = begin; i < end; i += n) {
     const auto in_time = hn::And(hn::Le(hn::LoadU(d, triangles.t_in.data() + i), time),
                                  hn::Ge(hn::LoadU(d, triangles.t_out.data() + i), time));
     if (hn::AllFalse(d, in_time)) continue;
 
     DoublesV row[3], position[3], depth[3];
-    for (int k = 0; k < 3; ++k) {
-      const auto at = hn::PromoteTo(i64, hn::LoadU(i32, triangles.vertex[k].data() + i));
-      row[k] = hn::GatherIndex(d, vertices.row.data(), at);
-      position[k] = hn::GatherIndex(d, vertices.position.data(), at);
-      depth[k] = hn::GatherIndex(d, vertices.depth.data(), at);
+    for (int c = 0; c < 3; ++c) {
+      const auto at = hn::PromoteTo(i64, hn::LoadU(i32, triangles.vertex[c].data() + i));
+      row[c] = hn::GatherIndex(d, vertices.row.data(), at);
+      position[c] = hn::GatherIndex(d, vertices.position.data(), at);
+      depth[c] = hn::GatherIndex(d, vertices.depth.data(), at);
     }
     const auto nan = hn::IsNaN(hn::Add(hn::Add(row[0], row[1]), row[2]));
     const auto usable = hn::AndNot(nan, in_time);
@@ -104,7 +114,8 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
     // Which way it faces, before the corners are sorted.
     const auto area = hn::Sub(hn::Mul(hn::Sub(row[1], row[0]), hn::Sub(position[2], position[0])),
                               hn::Mul(hn::Sub(row[2], row[0]), hn::Sub(position[1], position[0])));
-    const auto away = hn::Lt(hn::Mul(area, hn::LoadU(d, triangles.facing.data() + i)), zero);
+    const auto sided = hn::Mul(facing, hn::LoadU(d, triangles.one_sided.data() + i));
+    const auto away = hn::Lt(hn::Mul(area, sided), zero);
 
     const auto order = [&](int a, int b) HWY_ATTR {
       const auto swap = hn::Lt(row[b], row[a]);
@@ -118,22 +129,26 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
     order(1, 2);
     order(0, 1);
 
-    // Lanes strictly above the lowest corner up to the highest, see the convention for f = 0.
+    // Rows strictly above the lowest corner up to the highest, see the convention for f = 0.
     const auto first = hn::Max(zero, hn::Add(hn::Floor(row[0]), one));
-    const auto last = hn::Min(last_lane, hn::Floor(row[2]));
+    const auto last = hn::Min(last_row, hn::Floor(row[2]));
     const auto least = hn::Min(position[0], hn::Min(position[1], position[2]));
     const auto most = hn::Max(position[0], hn::Max(position[1], position[2]));
     const auto meets =
         hn::And(hn::AndNot(away, hn::Le(first, last)), hn::And(hn::Gt(most, zero), hn::Lt(least, line_end)));
     const auto all = hn::And(meets, usable);
 
-    AppendSet(d, to_clip, uint32_t(i), out.clipped);
+    const size_t k = i - begin;
+    if (!hn::AllFalse(d, to_clip)) AppendSet(d, to_clip, k, out.clipped.data(), out.clipped_count);
     if (hn::AllFalse(d, all)) continue;
-    AppendSet(d, all, uint32_t(i), out.met);
+    AppendSet(d, all, k, out.met.data(), out.met_count);
 
-    const auto store = [&](DoublesV v, std::vector<double>& to) HWY_ATTR { hn::StoreU(v, d, to.data() + i); };
-    const auto store_float = [&](DoublesV v, std::vector<float>& to)
-                                 HWY_ATTR { hn::StoreU(hn::DemoteTo(f32, v), f32, to.data() + i); };
+    const auto store = [&](DoublesV v, PlacedTriangles::Array<double>& to)
+                           HWY_ATTR { hn::StoreU(v, d, to.data() + k); };
+    const auto store_float = [&](DoublesV v, PlacedTriangles::Array<float>& to)
+                                 HWY_ATTR { hn::StoreU(hn::DemoteTo(f32, v), f32, to.data() + k); };
+    const auto store_int = [&](DoublesV v, PlacedTriangles::Array<int32_t>& to)
+                               HWY_ATTR { hn::StoreU(hn::DemoteTo(i32, v), i32, to.data() + k); };
     // Of a denormal height it would overflow, and its product with that height again would not be a share.
     const auto reciprocal = [&](DoublesV v) HWY_ATTR { return hn::Min(hn::Div(one, v), largest); };
     store(row[0], out.row_a);
@@ -152,11 +167,10 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
     store_float(depth[1], out.depth_b);
     store_float(hn::Sub(depth[2], depth[1]), out.depth_bc);
     store_float(hn::Max(depth[0], hn::Max(depth[1], depth[2])), out.nearest);
-    hn::StoreU(hn::DemoteTo(i32, first), i32, out.first_lane.data() + i);
-    hn::StoreU(hn::DemoteTo(i32, last), i32, out.last_lane.data() + i);
-    hn::StoreU(hn::DemoteTo(i32, hn::Max(hn::Sub(least, one), zero)), i32, out.least.data() + i);
-    hn::StoreU(hn::DemoteTo(i32, hn::Min(hn::Add(most, one), hn::Sub(line_end, one))), i32,
-               out.most.data() + i);
+    store_int(first, out.first_row);
+    store_int(last, out.last_row);
+    store_int(hn::Max(hn::Sub(least, one), zero), out.least);
+    store_int(hn::Min(hn::Add(most, one), hn::Sub(line_end, one)), out.most);
   }
 }
 

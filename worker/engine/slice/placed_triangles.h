@@ -9,13 +9,13 @@
 
 namespace shutterline::engine {
 
-/// What the set-up must know of a triangle that a group of lines may meet.
+/// What the set-up must know of a triangle that a tile may see.
 struct GroupTriangle {
   std::array<int32_t, 3> vertices{};
   uint32_t index = 0;  ///< In the tile's mesh.
   double t_in = 2, t_out = -1;
-  /// Not drawn where facing · signed area < 0 in (row, position); 0: both sides are.
-  double facing = 0;
+  /// 1 where it is not drawn seen from the back; 0: both sides are.
+  double one_sided = 0;
 };
 
 /// The same for many, as a structure of arrays.
@@ -23,7 +23,7 @@ struct GroupTriangles {
   size_t count = 0;
   std::array<std::vector<int32_t>, 3> vertex;
   std::vector<uint32_t> index;
-  std::vector<double> t_in, t_out, facing;
+  std::vector<double> t_in, t_out, one_sided;
 
   /// Makes room for n triangles and as many as fill up the last vector.
   void Reserve(size_t n) {
@@ -31,7 +31,7 @@ struct GroupTriangles {
     if (index.size() >= n) return;
     for (auto& v : vertex) v.resize(n);
     index.resize(n);
-    for (auto* v : {&t_in, &t_out, &facing}) v->resize(n);
+    for (auto* v : {&t_in, &t_out, &one_sided}) v->resize(n);
   }
   /// Room must have been made.
   void Add(const GroupTriangle& triangle) { Set(count++, triangle); }
@@ -46,37 +46,34 @@ struct GroupTriangles {
     index[i] = triangle.index;
     t_in[i] = triangle.t_in;
     t_out[i] = triangle.t_out;
-    facing[i] = triangle.facing;
+    one_sided[i] = triangle.one_sided;
   }
 };
 
-/// Triangles at one instant, ready to be cut by lines: corners a, b, c in ascending row, and for each edge
-/// the reciprocal of its height. `ab` etc. are differences of the later corner and the earlier.
+/// A block of triangles at one instant, ready to be cut by a class's lines: corners a, b, c in ascending row,
+/// and for each edge the reciprocal of its height. `ab` etc. are differences of the later corner and the
+/// earlier. Small enough to stay in the nearest cache.
 struct PlacedTriangles {
-  std::vector<double> row_a, row_b;
-  std::vector<double> inverse_ac, inverse_ab, inverse_bc;
-  std::vector<double> position_a, position_ac, position_ab, position_b, position_bc;
-  std::vector<float> depth_a, depth_ac, depth_ab, depth_b, depth_bc;
-  std::vector<float> nearest;  ///< Depth.
-  std::vector<int32_t> first_lane, last_lane;
-  std::vector<int32_t> least, most;  ///< Bounds along the lines, subpixels, within the lines' length.
-  /// Those that meet a lane within the lines' length, in ascending order; the others are not set up.
-  std::vector<uint32_t> met;
-  /// Those with a corner beyond the near or the far plane.
-  std::vector<uint32_t> clipped;
+  /// Some vectors' worth, and few enough that little is placed in vain.
+  static constexpr size_t kMost = 128;
+  template <typename T>
+  using Array = std::array<T, kMost>;
 
-  void Resize(size_t n) {
-    for (auto* v : {&row_a, &row_b, &inverse_ac, &inverse_ab, &inverse_bc, &position_a, &position_ac,
-                    &position_ab, &position_b, &position_bc}) {
-      if (v->size() < n) v->resize(n);
-    }
-    for (auto* v : {&depth_a, &depth_ac, &depth_ab, &depth_b, &depth_bc, &nearest}) {
-      if (v->size() < n) v->resize(n);
-    }
-    for (auto* v : {&first_lane, &last_lane, &least, &most}) {
-      if (v->size() < n) v->resize(n);
-    }
-  }
+  alignas(64) Array<double> row_a, row_b;
+  alignas(64) Array<double> inverse_ac, inverse_ab, inverse_bc;
+  alignas(64) Array<double> position_a, position_ac, position_ab, position_b, position_bc;
+  alignas(64) Array<float> depth_a, depth_ac, depth_ab, depth_b, depth_bc;
+  alignas(64) Array<float> nearest;  ///< Depth.
+  alignas(64) Array<int32_t> first_row, last_row;
+  alignas(64) Array<int32_t> least, most;  ///< Bounds along the lines, subpixels, within the lines' length.
+  alignas(64) Array<uint32_t> index;       ///< In the tile's mesh.
+  /// Those that meet a line within its length, in ascending order; the others are not set up.
+  Array<uint8_t> met;
+  size_t met_count = 0;
+  /// Those with a corner beyond the near or the far plane.
+  Array<uint8_t> clipped;
+  size_t clipped_count = 0;
 };
+static_assert(PlacedTriangles::kMost % kPad == 0 && PlacedTriangles::kMost <= 256);
 
 }  // namespace shutterline::engine

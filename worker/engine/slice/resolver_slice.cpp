@@ -19,17 +19,18 @@ std::unique_ptr<ResolverSlice::Workspace> ResolverSlice::TakeWorkspace() const {
 void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFilm* flat,
                             RenderStats& stats) const {
   SL_CHECK(tile.rect.width <= kMaxLinePixels && tile.rect.height <= kMaxLinePixels);
-  const auto line_weight = uint64_t(time_samples_.WeightPerLine()) * uint64_t{kSubpixelsPerPixel};
-  weights.Reset(tile.rect.Area(), line_weight * uint64_t(pattern_.StepsPerPixel()));
-  if (flat != nullptr) flat->Reset(tile.rect.Area());
-
   std::unique_ptr<Workspace> work = TakeWorkspace();
   work->mesh.Build(tile, pattern_);
+  work->strata.Build(work->mesh);
+  work->colors.Begin(work->mesh, flat);
+
+  const int64_t instants = work->strata.moves() ? time_samples_.InstantsFor(work->strata.motion_pixels()) : 1;
+  const auto line_weight = uint64_t(instants) * uint64_t{kSubpixelsPerPixel};
+  weights.Reset(tile.rect.Area(), line_weight * uint64_t(pattern_.StepsPerPixel()));
+  if (flat != nullptr) flat->Reset(tile.rect.Area());
   if (!work->mesh.triangles().empty()) {
-    GroupLines(pattern_, tile.rect, work->groups);
-    work->sums.BeginTile(work->mesh, pattern_, weights, flat);
-    for (const LineGroup& group : work->groups) {
-      work->group_resolver.Resolve(work->mesh, group, time_samples_, work->sums, stats);
+    for (const LineClass& lines : work->lines.In(pattern_, tile.rect)) {
+      work->class_resolver.Resolve(work->strata, lines, instants, work->colors, weights, stats);
     }
   }
   const std::lock_guard lock(mutex_);

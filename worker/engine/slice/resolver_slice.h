@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "common/job/render_settings.h"
-#include "worker/engine/slice/group_resolver.h"
-#include "worker/engine/slice/line_group.h"
-#include "worker/engine/slice/line_sums.h"
+#include "worker/engine/slice/class_resolver.h"
+#include "worker/engine/slice/line_class.h"
+#include "worker/engine/slice/tile_colors.h"
 #include "worker/engine/slice/tile_mesh.h"
+#include "worker/engine/slice/tile_strata.h"
 #include "worker/engine/visibility/resolver.h"
 #include "worker/engine/visibility/time_samples.h"
 
@@ -33,9 +34,10 @@ class ResolverSlice final : public Resolver {
   /// What a tile needs of memory; kept from tile to tile.
   struct Workspace {
     TileMesh mesh;
-    std::vector<LineGroup> groups;
-    LineSums sums;
-    GroupResolver group_resolver;
+    TileStrata strata;
+    TileColors colors;
+    TileLines lines;
+    ClassResolver class_resolver;
   };
   std::unique_ptr<Workspace> TakeWorkspace() const;
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/engine/slice/line_group.h"
+#include "worker/engine/slice/line_class.h"
 
 namespace shutterline::engine {
 

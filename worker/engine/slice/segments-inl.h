@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "common/math/tolerance.h"
@@ -37,7 +38,7 @@ struct LaneSegments {
   alignas(64) float depth[2 * kLanes], slope[2 * kLanes];
 };
 
-/// Cuts triangle j by the lanes [from, to], Lanes(d) at a time.
+/// Cuts triangle j by the group's lanes [from, to], Lanes(d) at a time.
 template <class D>
 HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int from, int to,
                             const LineGroup& group, LaneSegments& out) {
@@ -54,7 +55,7 @@ HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int fr
   const auto end = all(double(placed.most[j]) + 1);
 
   for (int lanes = from; lanes <= to; lanes += int(hn::Lanes(d))) {
-    const auto lane = hn::Iota(d, double(lanes));
+    const auto lane = hn::Iota(d, double(group.first_row + lanes));  // As a row.
     // The edge from the lowest to the highest corner, and the one of the two others that is met here.
     const auto u = hn::Mul(hn::Sub(lane, row_a), all(placed.inverse_ac[j]));
     const auto long_position = hn::Add(position_a, hn::Mul(u, all(placed.position_ac[j])));
@@ -93,20 +94,18 @@ HWY_INLINE void CutTriangle(D d, const PlacedTriangles& placed, size_t j, int fr
   }
 }
 
-inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTriangles& placed, size_t first,
-                                 const LineGroup& group, Stretches& stretches, int64_t& made) {
+inline size_t MakeSegmentsKernel(const PlacedTriangles& placed, size_t first, const LineGroup& group,
+                                 Stretches& stretches, int64_t& made) {
   SegmentLists* const lists = stretches.lists.data();
   const int shift = stretches.shift;
   LaneSegments cut;
   uint32_t open[kMaxLinePixels];  // By stretch: the lanes on which the triangle at hand is not hidden.
 
-  const uint32_t* const met = placed.met.data();
-  const size_t met_count = placed.met.size();
-
-  for (size_t m = first; m < met_count; ++m) {
-    const size_t j = met[m];
-    const int from = placed.first_lane[j];
-    const int to = placed.last_lane[j];
+  for (size_t m = first; m < placed.met_count; ++m) {
+    const size_t j = placed.met[m];
+    const int from = std::max(placed.first_row[j] - group.first_row, 0);
+    const int to = std::min(placed.last_row[j] - group.first_row, group.lanes - 1);
+    if (from > to) continue;
     const uint32_t lanes = (uint32_t{2} << to) - (uint32_t{1} << from);
     const int first_stretch = placed.least[j] >> shift;
     const int last_stretch = placed.most[j] >> shift;
@@ -133,13 +132,13 @@ inline size_t MakeSegmentsKernel(const GroupTriangles& triangles, const PlacedTr
       for (int k = cut.begin[lane] >> shift; k <= (cut.end[lane] - 1) >> shift; ++k) {
         if ((open[k] >> lane & 1) == 0) continue;
         lists[k].Append(lane, cut.begin[lane], cut.end[lane], cut.depth[lane], cut.slope[lane],
-                        triangles.index[j]);
+                        placed.index[j]);
         full |= lists[k].rows >= lists[k].compact_at;
       }
     }
     if (full) return m + 1;
   }
-  return met_count;
+  return placed.met_count;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -2,90 +2,61 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
-#include "worker/engine/slice/kernels.h"
-#include "worker/engine/slice/line_sums.h"
+#include "worker/engine/slice/moving_vertices.h"
+#include "worker/engine/slice/placed_triangles.h"
 #include "worker/engine/slice/tile_mesh.h"
-#include "worker/engine/slice/vertex_numbering.h"
 
 namespace shutterline::engine {
 
-/// The triangles that a group of lines may meet during a part of the shutter, ready to be placed at instants
-/// of it: their vertices in the group's line coordinates. Keeps its memory.
+/// The triangles that a tile may see in a part of the shutter, nearest first, and their vertices as
+/// polynomials, laid out for the kernels. Made once a tile and used by all its classes of lines. Keeps its
+/// memory.
 class Stratum {
  public:
-  /// Takes the mesh's triangles `indices` (nearest first) that may be met within [begin, end] of the shutter.
-  void Build(const TileMesh& mesh, const LineGroup& group, std::span<const uint32_t> indices, double begin,
-             double end);
-
-  bool empty() const { return triangles_.count == 0; }
-
-  /// Moves on to shutter time t, which lies within the stratum; instants come in ascending order.
-  void BeginInstant(double t);
-
-  /// The triangles are placed block by block, nearest first. False if there is no further one.
-  bool PlaceNextBlock();
-  /// Bound on the depth of all triangles that have not been placed yet.
-  float nearest_left() const { return blocks_[next_block_].nearest; }
-
-  const GroupTriangles& triangles() const { return triangles_; }
-  /// The block placed last.
-  const PlacedTriangles& placed() const { return placed_; }
-  /// What is left, at this instant, of the block's triangles that cross the near or the far plane.
-  const GroupTriangles& clipped_triangles() const { return clipped_; }
-  const PlacedTriangles& clipped_placed() const { return clipped_placed_; }
-
-  /// Where on triangle `index` of the mesh, one of the stratum's, the points of a lane lie at this instant.
-  LinePosition PositionOn(uint32_t index, int lane);
-
- private:
-  /// Triangles that are placed at once: some vectors' worth, and few enough that little is placed in vain.
-  static constexpr size_t kBlock = 128;
-
   /// The end of a block in the arrays of triangles and of vertices, straight and curved.
   struct Block {
     size_t triangles = 0, straight = 0, curved = 0;
-    float nearest = 0;  // Of the block's first triangle.
+    float nearest = 0;  ///< Bound on the depth of this block's triangles and all later ones.
   };
 
-  void LoadStraight(size_t at, const TileVertex& vertex);
-  void LoadPieces();
-  void ClipTriangles();
-  /// A vertex at the instant, in homogeneous line coordinates.
-  std::array<double, kLineCoordinates> HomogeneousAt(size_t at) const;
+  /// Takes the mesh's triangles `indices` (nearest first) that may be met within [begin, end] of the shutter.
+  void Build(const TileMesh& mesh, std::span<const uint32_t> indices, double begin, double end);
+
+  /// Makes the polynomials those that hold at shutter time t: curves come in pieces.
+  void MoveTo(double t) {
+    if (t < piece_begin_ || t >= piece_end_) LoadPieces(t);
+  }
+
+  const TileMesh& mesh() const { return *mesh_; }
+  bool empty() const { return triangles_.count == 0; }
+  size_t blocks() const { return blocks_.size(); }
+  /// `before` the first one: everything begins at 0.
+  const Block& block(size_t i) const { return blocks_[i]; }
+  const GroupTriangles& triangles() const { return triangles_; }
+  const MovingVertices& vertices() const { return vertices_; }
+  /// The stratum's number of triangle `index` of the mesh, which must be one of the stratum's.
+  uint32_t NumberOf(uint32_t index) const { return number_of_[index]; }
+  /// Vertex `at` of the arrays at shutter time t: X, Y, Z, W. The operations of PlaceVertices.
+  std::array<double, kRasterCoordinates> HomogeneousAt(size_t at, double t) const;
+
+ private:
+  void GatherTriangles(std::span<const uint32_t> indices, double begin, double end);
+  void LoadPieces(double t);
 
   const TileMesh* mesh_ = nullptr;
-  const LineGroup* group_ = nullptr;
-  int32_t length_ = 0;  // Of the lines, subpixels.
-
-  double t_ = 0;
-  size_t next_block_ = 0;
-  std::vector<Block> blocks_;  // And one more, which ends where the last does.
-
-  VertexNumbering numbering_;
-  std::vector<int32_t> slot_;          // By number: place in the arrays; curved ones as -1 - number of those.
-  std::vector<uint32_t> straight_;     // Mesh vertices in the order of their slots.
-  std::vector<uint32_t> curved_;       // The same for those on curved paths.
-  double next_piece_at_ = 0;           // From there on, curved vertices must be loaded anew.
-  std::vector<uint32_t> triangle_of_;  // By index in the mesh; valid for those in the stratum.
-
-  /// Positions on a triangle over the lines' plane, at the instant with number `instant`.
-  struct Plane {
-    int64_t instant = -1;
-    bool edge_on = false;
-    std::array<V3d, 3> over_w{};  // b1, b2 and their sum with b0, over w; times (row, position, 1).
-  };
-  std::vector<Plane> planes_;  // By triangle.
-  int64_t instant_ = 0;
-
-  MovingVertices vertices_;
-  PlacedVertices placed_vertices_;
+  std::vector<Block> blocks_;
+  std::vector<uint32_t> straight_;   // Mesh vertices in the order of their places.
+  std::vector<uint32_t> curved_;     // The same for those on curved paths.
+  std::vector<int32_t> place_of_;    // By mesh vertex: its place; curved ones as -2 - number of those.
+  std::vector<uint32_t> number_of_;  // By index in the mesh.
+  // The curves' polynomials hold for this part of the shutter.
+  double piece_begin_ = 0, piece_end_ = 0;
   GroupTriangles triangles_;
-  PlacedTriangles placed_;
-  GroupTriangles clipped_;
-  PlacedTriangles clipped_placed_;
+  MovingVertices vertices_;
 };
 
 }  // namespace shutterline::engine

@@ -1,0 +1,76 @@
+#include "worker/engine/slice/class_resolver.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "worker/engine/visibility/time_samples.h"
+
+namespace shutterline::engine {
+namespace {
+
+/// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
+constexpr double kSegmentsPerStretch = 12;
+
+}  // namespace
+
+void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, int64_t instants, TileColors& colors,
+                            PairWeights& weights, RenderStats& stats) {
+  stats.lines += lines.rows();
+  stats.instants += instants * lines.rows();
+  group_count_ = lines.groups.size();
+  if (groups_.size() < group_count_) groups_.resize(group_count_);
+  const int stretches = ChooseStretches(strata, lines);
+  for (size_t g = 0; g < group_count_; ++g) {
+    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], stretches, colors, stats);
+  }
+
+  still_.Begin(strata.still(), lines, 0.5);
+  PlaceAll(still_);
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].EndStatic();
+
+  if (!strata.moves()) {
+    for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(instants);
+  } else {
+    for (int64_t i = 0; i < instants; ++i) {
+      const double t = TimeSamples::InstantAt(i, instants, lines.instant_offset);
+      ResolveInstant(strata.At(t), lines, t);
+    }
+  }
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].End(still_, weights);
+}
+
+int ClassResolver::ChooseStretches(const TileStrata& strata, const LineClass& lines) const {
+  const double per_line = strata.SegmentsPerLine(size_t(lines.family));
+  const int length_log2 = std::bit_width(uint32_t(lines.length - 1));
+  int log2 = 0;
+  while (length_log2 - log2 > GroupResolver::kShortestStretchLog2 &&
+         per_line / double(1 << log2) > kSegmentsPerStretch) {
+    ++log2;
+  }
+  return 1 << log2;
+}
+
+void ClassResolver::PlaceAll(InstantPlacer& placer) {
+  for (;;) {
+    float hidden = groups_[0].hidden_everywhere();
+    for (size_t g = 1; g < group_count_; ++g) hidden = std::min(hidden, groups_[g].hidden_everywhere());
+    const float nearest = placer.nearest_left();
+    if (nearest < hidden || !placer.PlaceNext()) return;
+    for (size_t g = 0; g < group_count_; ++g) {
+      if (nearest >= groups_[g].hidden_everywhere()) groups_[g].Take(placer.placed());
+    }
+  }
+}
+
+void ClassResolver::ResolveInstant(Stratum& stratum, const LineClass& lines, double t) {
+  if (stratum.empty()) {
+    for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(1);
+    return;
+  }
+  moving_.Begin(stratum, lines, t);
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].BeginInstant();
+  PlaceAll(moving_);
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].EndInstant(moving_, still_, t);
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "worker/engine/slice/group_resolver.h"
+#include "worker/engine/slice/instant_placer.h"
+#include "worker/engine/slice/tile_strata.h"
+
+namespace shutterline::engine {
+
+/// Resolves one class of lines of a tile: what stands still once, then every instant, front to back. Keeps its
+/// memory; one per thread.
+class ClassResolver {
+ public:
+  /// `instants`: at how many instants what moves is resolved; each weighs 1.
+  void Resolve(TileStrata& strata, const LineClass& lines, int64_t instants, TileColors& colors,
+               PairWeights& weights, RenderStats& stats);
+
+ private:
+  int ChooseStretches(const TileStrata& strata, const LineClass& lines) const;
+  void ResolveInstant(Stratum& stratum, const LineClass& lines, double t);
+  /// Hands out what the placer has left to place, nearest first, until nothing more of it can be seen.
+  void PlaceAll(InstantPlacer& placer);
+
+  std::vector<GroupResolver> groups_;
+  size_t group_count_ = 0;
+  InstantPlacer still_, moving_;
+};
+
+}  // namespace shutterline::engine

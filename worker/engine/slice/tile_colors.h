@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "worker/engine/slice/line_position.h"
+#include "worker/engine/slice/tile_mesh.h"
+#include "worker/engine/visibility/color_film.h"
+
+namespace shutterline::engine {
+
+/// How a triangle's colour is known.
+enum class ColorKind : uint8_t {
+  kUnknown,   ///< Not looked at yet.
+  kConstant,  ///< One colour.
+  kSmooth,    ///< Linear or quadratic over it.
+  kApart,     ///< By shading each of its pixels: it is kept apart.
+};
+
+/// The colours of a tile's triangles, each looked at when it is first seen. Keeps its memory.
+class TileColors {
+ public:
+  using Color = std::array<double, 4>;  ///< Radiance and coverage.
+
+  /// Begins a tile. `film` may be null: everything is kept apart by triangle then.
+  void Begin(const TileMesh& mesh, ColorFilm* film);
+
+  ColorFilm* film() const { return film_; }
+
+  /// Of a triangle of the tile's mesh.
+  ColorKind KindOf(uint32_t index) {
+    if (film_ == nullptr) return ColorKind::kApart;
+    if (kinds_[index] == ColorKind::kUnknown) Shade(index);
+    return kinds_[index];
+  }
+
+  /// Of a constant one.
+  const Color& ColorOf(uint32_t index) const { return colors_[index]; }
+  /// Of a smooth one at `l` pixels along a line. Rounding does not leave the triangle.
+  Color ColorAt(uint32_t index, const LinePosition& position, double l) const;
+
+ private:
+  /// Coefficients of 1, b1, b2, b1², b1 b2, b2².
+  struct Smooth {
+    std::array<Color, 6> coefficients;
+    bool quadratic;
+  };
+
+  void Shade(uint32_t index);
+
+  const TileMesh* mesh_ = nullptr;
+  ColorFilm* film_ = nullptr;
+  // By triangle of the mesh.
+  std::vector<ColorKind> kinds_;
+  std::vector<Color> colors_;
+  std::vector<Smooth> smooth_;
+};
+
+}  // namespace shutterline::engine
