@@ -89,6 +89,35 @@ void AddPictureOptions(CLI::App& app, JobOptions& o) {
   for (CLI::Option* option : {size, camera}) option->group("Picture");
 }
 
+/// The pattern of so many lines a pixel that serves most pictures best.
+std::optional<PatternKind> PatternOfLines(int64_t lines) {
+  switch (lines) {
+    case 2:
+      return PatternKind::k1h1v;
+    case 4:
+      return PatternKind::kRgls;
+    case 8:
+      return PatternKind::k4h4v;
+    case 16:
+      return PatternKind::k8h8v;
+    case 32:
+      return PatternKind::k16h16v;
+  }
+  return std::nullopt;
+}
+
+CLI::Option* AddLinesOption(CLI::App& app, RenderSettings& s) {
+  auto* lines = AddValue(app, "--lines", "2|4|8|16|32", "",
+                         "Lines through each pixel: --pattern 1h1v, rgls, 4h4v,\n8h8v or 16h16v",
+                         [&s](const std::string& t) {
+                           int count = 0;
+                           SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, 32), count));
+                           return StoreWord(PatternOfLines(count), s.pattern, "2, 4, 8, 16 or 32");
+                         });
+  lines->group("Experiments");
+  return lines;
+}
+
 void AddMethodOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
   auto* integrator =
@@ -99,11 +128,11 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                [&](const std::string& t) {
                  return StoreWord(ParseIntegrator(t), s.integrator, "line, reference or stochastic");
                });
-  auto* pattern = AddValue(app, "--pattern", "1h1v|2h2v|4h4v|rgls", "rgls",
-                           "Lines through each pixel: horizontal and vertical,\nor a rotated grid",
-                           [&](const std::string& t) {
-                             return StoreWord(ParsePattern(t), s.pattern, "1h1v, 2h2v, 4h4v or rgls");
-                           });
+  auto* pattern = AddValue(
+      app, "--pattern", "1h1v|2h2v|4h4v|8h8v|16h16v|rgls", "rgls",
+      "Lines through each pixel: horizontal and vertical,\nor a rotated grid", [&](const std::string& t) {
+        return StoreWord(ParsePattern(t), s.pattern, "1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
+      });
   auto* resolver = AddValue(
       app, "--resolver", "slice|paper", "slice",
       "How visibility is resolved on a line: slice is exact along\nthe line at each instant; paper "
@@ -126,6 +155,20 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                  s.time_samples = count;
                  return absl::OkStatus();
                });
+  auto* target_error =
+      AddValue(app, "--target-error", "E", "by --time-step",
+               absl::StrCat("Error aimed at in each tile: RMS of linear values, ", kMinTargetError, "\nto ",
+                            kMaxTargetError,
+                            "; instants and lines are added until it is\nreached. Resolver slice alone"),
+               [&](const std::string& t) {
+                 double error = 0;
+                 SL_RETURN_IF_ERROR(Store(
+                     ParseReal(t, kMinTargetError, kMaxTargetError,
+                               absl::StrCat("a number from ", kMinTargetError, " to ", kMaxTargetError)),
+                     error));
+                 s.target_error = error;
+                 return absl::OkStatus();
+               });
   auto* spp =
       AddValue(app, "--spp", "N", "64", absl::StrCat("reference, stochastic: points a pixel, 1 to ", kMaxSpp),
                [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
@@ -141,8 +184,11 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                           });
   time_step->excludes(time_samples);
   time_samples->excludes(time_step);
-  for (CLI::Option* option :
-       {integrator, pattern, resolver, time_cells, time_step, time_samples, spp, seed, layout}) {
+  target_error->excludes(time_samples);
+  time_samples->excludes(target_error);
+  AddLinesOption(app, s)->excludes(pattern);
+  for (CLI::Option* option : {integrator, pattern, resolver, time_cells, time_step, time_samples,
+                              target_error, spp, seed, layout}) {
     option->group("Method");
   }
 }
@@ -218,6 +264,17 @@ absl::Status CheckJobOptions(JobOptions& options) {
     return absl::InvalidArgumentError(
         absl::StrCat("--shutter-close ", s.shutter_close, options.shutter_close_given ? "" : " (the default)",
                      ": must not be less than --shutter-open ", s.shutter_open));
+  }
+  if (s.target_error && s.integrator != IntegratorKind::kLine) {
+    return absl::InvalidArgumentError(absl::StrCat("--target-error ", *s.target_error,
+                                                   ": means nothing to --integrator ", ToString(s.integrator),
+                                                   ", whose error is set by --spp"));
+  }
+  if (s.target_error && s.resolver == ResolverKind::kPaper) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--target-error ", *s.target_error,
+                     ": means nothing to --resolver paper, whose error is set by "
+                     "--pattern and --time-cells"));
   }
   options.output_settings.pixel_type = options.float_given ? PixelType::kFloat : PixelType::kHalf;
   return Validate(s);

@@ -131,7 +131,7 @@ absl::Status Validate(const JobSpec& spec, const JobLimits& limits) {
 
 Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   CanonicalWriter writer;
-  writer.Text("shutterline picture 1");  // Changes with this encoding.
+  writer.Text("shutterline picture 2");  // Changes with this encoding.
   writer.Text(scene.root_name);
   std::vector<SceneFile> files = scene.files;
   std::sort(files.begin(), files.end(),
@@ -156,6 +156,7 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Text(ToString(render.resolver));
   writer.Real(render.time_step);
   writer.Signed(render.time_samples ? int64_t{*render.time_samples} : -1);
+  writer.Real(render.target_error.value_or(-1));
   writer.Signed(render.time_cells);
   writer.Signed(render.spp);
   writer.Number(render.seed);

@@ -85,6 +85,17 @@ absl::Status Validate(const RenderSettings& s) {
   if (s.time_samples && (*s.time_samples < 1 || *s.time_samples > kMaxTimeSamples)) {
     return OutOfRange("time_samples", *s.time_samples, absl::StrCat("1 to ", kMaxTimeSamples));
   }
+  if (s.target_error) {
+    if (!(*s.target_error >= kMinTargetError && *s.target_error <= kMaxTargetError)) {
+      return OutOfRange("target_error", *s.target_error,
+                        absl::StrCat(kMinTargetError, " to ", kMaxTargetError));
+    }
+    if (s.time_samples) {
+      return absl::InvalidArgumentError(absl::StrCat("render settings: target_error (", *s.target_error,
+                                                     ") and time_samples (", *s.time_samples,
+                                                     ") exclude each other"));
+    }
+  }
   if (s.time_cells < 1 || s.time_cells > kMaxTimeCells) {
     return OutOfRange("time_cells", s.time_cells, absl::StrCat("1 to ", kMaxTimeCells));
   }

@@ -46,6 +46,11 @@ struct RenderSettings {
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
+  /// Resolver `slice`: if set, the error that is aimed at within each tile: the RMS over its pixels and
+  /// channels, linear values, kMinTargetError to kMaxTargetError. Instants, and lines where nothing moves,
+  /// are added until the difference of half sets says that it is reached. Excludes `time_samples`. Unset: as
+  /// many instants as `time_step` asks for.
+  std::optional<double> target_error;
   /// Resolver `paper`: equal spans of the shutter, 1 to kMaxTimeCells, into which a line's cells are cut.
   int time_cells = 4;
   int spp = 64;       ///< Reference and stochastic integrators: points (x, y, t) a pixel, 1 to kMaxSpp.
@@ -68,6 +73,9 @@ struct OutputSettings {
 
 inline constexpr int kMaxFrameSide = 32768;
 inline constexpr int kMaxTimeSamples = 1 << 16;
+/// Below the least, instants and lines without end would be asked for; above the greatest, anything will do.
+inline constexpr double kMinTargetError = 1e-5;
+inline constexpr double kMaxTargetError = 0.5;
 /// Of the Bezier curves on which vertices move.
 inline constexpr int kMaxMotionDegree = 3;
 /// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
@@ -75,8 +83,9 @@ inline constexpr int kMaxMotionPieces = 64;
 inline constexpr int kMaxTimeCells = 64;
 inline constexpr int kMaxSpp = 1 << 20;
 
-/// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range.
-/// Names of cameras and animations are checked against the scene elsewhere.
+/// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range and no
+/// two are set that exclude each other. Settings of a method that is not used may have any value of their
+/// range. Names of cameras and animations are checked against the scene elsewhere.
 absl::Status Validate(const RenderSettings& settings);
 
 /// The words of the command line and of EXR headers ("rgls", "slice", "half", ...). Each Parse accepts

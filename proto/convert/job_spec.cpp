@@ -87,6 +87,7 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_resolver(Out(kResolvers, s.resolver));
   m.set_time_step(s.time_step);
   if (s.time_samples) m.set_time_samples(*s.time_samples);
+  if (s.target_error) m.set_target_error(*s.target_error);
   m.set_time_cells(s.time_cells);
   m.set_spp(s.spp);
   m.set_seed(s.seed);
@@ -152,6 +153,7 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
   s.time_step = m.time_step();
   if (m.has_time_samples()) s.time_samples = m.time_samples();
+  if (m.has_target_error()) s.target_error = m.target_error();
   s.time_cells = m.time_cells();
   s.spp = m.spp();
   s.seed = m.seed();

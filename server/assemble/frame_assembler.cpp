@@ -71,6 +71,7 @@ std::string DescribeSettings(const RenderSettings& s) {
       absl::StrAppend(&text, " time_samples=", *s.time_samples);
     } else {
       absl::StrAppend(&text, " time_step=", s.time_step);
+      if (s.target_error) absl::StrAppend(&text, " target_error=", *s.target_error);
     }
   } else {
     absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);

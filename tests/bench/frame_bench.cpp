@@ -27,6 +27,7 @@ struct Options {
   int only_reference = 0;
   double shutter_close = 0.5, fps = 24, time_step = 2;
   int time_samples = 0;
+  double target_error = 0;
   std::vector<int> ladder, shared, stochastic;
   std::vector<int> window;
   bool flat = false;
@@ -89,6 +90,7 @@ int Run(const Options& options) {
   settings.animation = options.animation;
   settings.time_step = options.time_step;
   if (options.time_samples > 0) settings.time_samples = options.time_samples;
+  if (options.target_error > 0) settings.target_error = options.target_error;
   const auto pattern = ParsePattern(options.pattern);
   if (!pattern) {
     std::fprintf(stderr, "frame_bench: unknown pattern\n");
@@ -173,9 +175,10 @@ int main(int argc, char** argv) {
   app.add_option("--camera", o.camera, "Name or index");
   app.add_option("--animation", o.animation, "Name, index, all or none");
   app.add_option("--window", o.window, "Only this part of the frame: x, y, width, height")->expected(4);
-  app.add_option("--pattern", o.pattern, "1h1v, 2h2v, 4h4v or rgls");
+  app.add_option("--pattern", o.pattern, "1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
   app.add_option("--time-step", o.time_step, "Pixels of motion an instant");
   app.add_option("--time-samples", o.time_samples, "Instants on every moving line; 0: by motion");
+  app.add_option("--target-error", o.target_error, "RMS error aimed at within a tile; 0: by motion");
   app.add_option("--threads", o.threads, "Threads");
   app.add_option("--repeats", o.repeats, "How often the line integrator renders");
   app.add_option("--half-spp", o.half_spp, "Points a pixel of each half of the reference; 0: no reference");

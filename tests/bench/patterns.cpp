@@ -62,8 +62,8 @@ absl::Status Patterns(const ReportOptions& options) {
     const BenchMasks masks = MakeMasks(*probe, scene.frame, whole, options.threads);
     std::vector<HtmlPage::Picture> pictures;
     std::vector<std::vector<std::string>> rows;
-    for (const PatternKind pattern :
-         {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::kRgls, PatternKind::k4h4v}) {
+    for (const PatternKind pattern : {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::kRgls,
+                                      PatternKind::k4h4v, PatternKind::k8h8v, PatternKind::k16h16v}) {
       RenderSettings settings = scene.settings;
       settings.pattern = pattern;
       SL_ASSIGN_OR_RETURN(const Measurement m, Measure(loaded.scene, scene.frame, settings, whole,

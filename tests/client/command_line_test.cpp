@@ -108,7 +108,36 @@ TEST(Options, EachReachesItsSetting) {
   EXPECT_EQ(outcome.told.output->FrameFile(4, 4), "out/f.04.exr");
   EXPECT_TRUE(outcome.told.png);
   EXPECT_EQ(Tell(Split("a.glb --time-step 0.125")).told.settings.time_step, 0.125);
+  EXPECT_EQ(Tell(Split("a.glb --target-error 0.004")).told.settings.target_error, 0.004);
+  EXPECT_EQ(Tell(Split("a.glb --target-error 1e-5 --time-step 1")).told.settings.target_error, 1e-5);
   EXPECT_EQ(Tell(Split("a.glb --frame=-7 --half")).told.frames, (FrameRange{-7, -7, 1}));
+}
+
+TEST(Options, EveryPatternHasItsWordAndLinesNameThePatternOfSoMany) {
+  for (const PatternKind pattern : {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
+                                    PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls}) {
+    const Outcome outcome = Tell({"a.glb", "--pattern", std::string(ToString(pattern))});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.told.settings.pattern, pattern);
+  }
+  for (const auto& [lines, pattern] : {std::pair("2", PatternKind::k1h1v),
+                                       {"4", PatternKind::kRgls},
+                                       {"8", PatternKind::k4h4v},
+                                       {"16", PatternKind::k8h8v},
+                                       {"32", PatternKind::k16h16v}}) {
+    const Outcome outcome = Tell({"a.glb", "--lines", lines});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.told.settings.pattern, pattern) << lines;
+  }
+}
+
+TEST(Options, AnErrorToAimAtIsRefusedWhereItMeansNothing) {
+  EXPECT_NE(Tell(Split("a.glb --target-error 0.01 --integrator stochastic"))
+                .err.find("--target-error 0.01: means nothing to --integrator stochastic"),
+            std::string::npos);
+  EXPECT_NE(Tell(Split("a.glb --target-error 0.01 --resolver paper"))
+                .err.find("--target-error 0.01: means nothing to --resolver paper"),
+            std::string::npos);
 }
 
 TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
@@ -120,11 +149,13 @@ TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
       {"--shutter-open", {"nan", "-inf", "1e7", "half"}},
       {"--shutter-close", {"nan", "inf", "0,5"}},
       {"--integrator", {"Line", "lines", "path"}},
-      {"--pattern", {"RGLS", "3h3v"}},
+      {"--pattern", {"RGLS", "3h3v", "32h32v"}},
+      {"--lines", {"0", "3", "64", "-2", "4.0", "rgls"}},
       {"--resolver", {"paper?", "slice "}},
       {"--time-cells", {"0", "-1", "65", "2.5"}},
       {"--time-step", {"0", "-1", "nan", "1e-9"}},
       {"--time-samples", {"0", "-1", "65537", "2.5"}},
+      {"--target-error", {"0", "-0.1", "9e-6", "0.6", "nan", "inf", "1%"}},
       {"--motion-degree", {"0", "4", "-1", "quadratic"}},
       {"--motion-pieces", {"0", "3", "128", "-1"}},
       {"--spp", {"0", "-1", "1048577", "1e3"}},
@@ -150,7 +181,10 @@ TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
 TEST(Options, ContradictionsAreUsageErrors) {
   for (const char* line :
        {"", "a.glb b.glb", "a.glb --frame 1 --frames 1-2", "a.glb --half --float", "a.glb --nonsense",
-        "a.glb --time-step 1 --time-samples 2", "a.glb --shutter-open 0.6", "a.glb --size 1x1 --size 2x2",
+        "a.glb --time-step 1 --time-samples 2", "a.glb --target-error 0.01 --time-samples 2",
+        "a.glb --target-error 0.01 --integrator reference",
+        "a.glb --target-error 0.01 --integrator stochastic", "a.glb --target-error 0.01 --resolver paper",
+        "a.glb --lines 4 --pattern rgls", "a.glb --shutter-open 0.6", "a.glb --size 1x1 --size 2x2",
         "a.glb --shutter-open 0 --shutter-close -1", "a.glb --si 1x1"}) {
     const Outcome outcome = Tell(Split(line));
     EXPECT_EQ(outcome.code, 2) << line;

@@ -12,8 +12,8 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr std::array kPatterns{PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                               PatternKind::kRgls};
+constexpr std::array kPatterns{PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                               PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 RenderSettings SettingsOf(uint64_t seed, ResolverKind resolver) {
   std::mt19937_64 random(seed);

@@ -38,10 +38,14 @@ JobSpec RandomSpec(std::mt19937& random) {
   if (below(2)) r.motion_pieces = 1 << below(7);
   r.integrator = IntegratorKind(below(3));
   r.reference_layout = ReferenceLayout(below(2));
-  r.pattern = PatternKind(below(4));
+  r.pattern = PatternKind(below(6));
   r.time_step = 0.001 + below(1000) / 9.0;
   r.time_cells = 1 + below(kMaxTimeCells);
-  if (below(2)) r.time_samples = 1 + below(kMaxTimeSamples);
+  if (below(2)) {
+    r.time_samples = 1 + below(kMaxTimeSamples);
+  } else if (below(2)) {
+    r.target_error = kMinTargetError * (1 + below(1000));
+  }
   r.spp = 1 + below(kMaxSpp);
   r.seed = (uint64_t{random()} << 32) | random();
   spec.output.pixel_type = PixelType(below(2));
@@ -90,6 +94,14 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
   expect("fps", [&](v1::JobSpec& s) { s.mutable_render()->set_fps(nan); });
   expect("shutter_close", [&](v1::JobSpec& s) { s.mutable_render()->set_shutter_close(nan); });
   expect("time_samples", [](v1::JobSpec& s) { s.mutable_render()->set_time_samples(0); });
+  expect("target_error", [&](v1::JobSpec& s) {
+    s.mutable_render()->clear_time_samples();
+    s.mutable_render()->set_target_error(nan);
+  });
+  expect("target_error (0.1) and time_samples (3)", [](v1::JobSpec& s) {
+    s.mutable_render()->set_time_samples(3);
+    s.mutable_render()->set_target_error(0.1);
+  });
   expect("motion_degree", [](v1::JobSpec& s) { s.mutable_render()->set_motion_degree(4); });
   expect("motion_pieces", [](v1::JobSpec& s) { s.mutable_render()->set_motion_pieces(3); });
   expect("spp", [](v1::JobSpec& s) { s.mutable_render()->set_spp(-1); });
@@ -128,6 +140,11 @@ TEST(PictureKeyTest, DependsOnWhatChangesPixelsAndOnNothingElse) {
   camera.animation = "moved";
   EXPECT_NE(PictureKey(spec.scene, seed), key);
   EXPECT_NE(PictureKey(spec.scene, camera), key);
+  RenderSettings target = spec.render, finer = spec.render;
+  target.target_error = 0.01;
+  finer.target_error = 0.001;
+  EXPECT_NE(PictureKey(spec.scene, target), key);
+  EXPECT_NE(PictureKey(spec.scene, target), PictureKey(spec.scene, finer));
 }
 
 TEST(FrameRangeTest, IndexOfInvertsFrame) {

@@ -12,8 +12,8 @@
 namespace shutterline::engine::hard_case {
 namespace {
 
-constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                        PatternKind::kRgls};
+constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                                        PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 /// A closed surface: a grid on the sphere whose vertices are moved at random.
 struct ClosedMesh {

@@ -10,9 +10,10 @@
 namespace shutterline::engine::hard_case {
 namespace {
 
-constexpr PatternKind kSymmetric[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v};
-constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                        PatternKind::kRgls};
+constexpr PatternKind kSymmetric[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
+                                      PatternKind::k8h8v, PatternKind::k16h16v};
+constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                                        PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 using Coverage = EachResolver;
 INSTANTIATE_TEST_SUITE_P(Resolvers, Coverage, testing::Values(ResolverKind::kSlice, ResolverKind::kPaper),

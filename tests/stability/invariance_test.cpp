@@ -18,8 +18,8 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                        PatternKind::kRgls};
+constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                                        PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 RenderSettings Small(int width = 70, int height = 45) {
   RenderSettings settings;

@@ -45,6 +45,10 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        {0, -1, 0.99e-3, 1.1e6, kNaN, kInfinity}},
       {"time_cells", [](auto& s, double v) { s.time_cells = int(v); }, {1, 64}, {0, -1, 65}},
       {"time_samples", [](auto& s, double v) { s.time_samples = int(v); }, {1, 65536}, {0, -1, 65537}},
+      {"target_error",
+       [](auto& s, double v) { s.target_error = v; },
+       {1e-5, 0.004, 0.5},
+       {0, -1e-3, 0.99e-5, 0.51, kNaN, kInfinity}},
       {"motion_degree", [](auto& s, double v) { s.motion_degree = int(v); }, {1, 2, 3}, {0, -1, 4}},
       {"motion_pieces", [](auto& s, double v) { s.motion_pieces = int(v); }, {1, 2, 64}, {0, -2, 3, 65, 128}},
       {"spp", [](auto& s, double v) { s.spp = int(v); }, {1, 1048576}, {0, -1, 1048577}},
@@ -71,6 +75,15 @@ TEST(RenderSettings, AStillIsValid) {
   EXPECT_TRUE(Validate(settings).ok());
 }
 
+TEST(RenderSettings, AnErrorToAimAtAndANumberOfInstantsExcludeEachOther) {
+  RenderSettings settings;
+  settings.target_error = 0.01;
+  settings.time_samples = 8;
+  const absl::Status status = Validate(settings);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("target_error (0.01) and time_samples (8)"));
+}
+
 /// What ToString writes, Parse reads, and nothing else.
 template <typename Enum, typename Parse>
 void ExpectWords(std::vector<Enum> values, Parse parse) {
@@ -90,7 +103,8 @@ TEST(RenderSettings, WordRoundTrips) {
       {IntegratorKind::kLine, IntegratorKind::kReference, IntegratorKind::kStochastic}, ParseIntegrator);
   ExpectWords<ReferenceLayout>({ReferenceLayout::kMotionBvh, ReferenceLayout::kSharedInstants},
                                ParseReferenceLayout);
-  ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::kRgls},
+  ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::k8h8v,
+                            PatternKind::k16h16v, PatternKind::kRgls},
                            ParsePattern);
   ExpectWords<ResolverKind>({ResolverKind::kSlice, ResolverKind::kPaper}, ParseResolver);
   ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);

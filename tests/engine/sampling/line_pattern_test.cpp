@@ -11,8 +11,8 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr PatternKind kAll[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                PatternKind::kRgls};
+constexpr PatternKind kAll[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                                PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 TEST(LinePattern, EveryPixelHoldsTheSameNumberOfSteps) {
   for (const PatternKind kind : kAll) {

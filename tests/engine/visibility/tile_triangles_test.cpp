@@ -13,8 +13,8 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                        PatternKind::kRgls};
+constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
+                                        PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
 
 /// A scene of triangles, some through the near plane, some at rest, some fast.
 std::shared_ptr<const FrameScene> RandomScene(std::mt19937_64& random, bool perspective) {
@@ -56,7 +56,7 @@ TEST(TileTriangles, LineRangesAreConservative) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     const auto frame = RandomScene(random, seed % 4 != 0);
-    const LinePattern& pattern = LinePattern::Get(kAllPatterns[seed % 4]);
+    const LinePattern& pattern = LinePattern::Get(kAllPatterns[seed % std::size(kAllPatterns)]);
     const TileRect rect{int(random() % 64), int(random() % 64), 32, 32};
     const std::vector<PrimitiveTraits> traits(frame->primitives.size());
     std::vector<uint32_t> all(frame->triangles.size());
