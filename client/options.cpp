@@ -128,11 +128,14 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                [&](const std::string& t) {
                  return StoreWord(ParseIntegrator(t), s.integrator, "line, reference or stochastic");
                });
-  auto* pattern = AddValue(
-      app, "--pattern", "1h1v|2h2v|4h4v|8h8v|16h16v|rgls", "rgls",
-      "Lines through each pixel: horizontal and vertical,\nor a rotated grid", [&](const std::string& t) {
-        return StoreWord(ParsePattern(t), s.pattern, "1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
-      });
+  auto* pattern =
+      AddValue(app, "--pattern", "auto|1h1v|2h2v|4h4v|8h8v|16h16v|rgls", "auto",
+               "Lines through each pixel: horizontal and vertical,\nor a rotated grid; auto: the latter, and "
+               "more where\n"
+               "nothing moves",
+               [&](const std::string& t) {
+                 return StoreWord(ParsePattern(t), s.pattern, "auto, 1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
+               });
   auto* resolver = AddValue(
       app, "--resolver", "slice|paper", "slice",
       "How visibility is resolved on a line: slice is exact along\nthe line at each instant; paper "
@@ -142,12 +145,13 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
       app, "--time-cells", "N", "4", absl::StrCat("paper: equal spans of the shutter, 1 to ", kMaxTimeCells),
       [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxTimeCells), s.time_cells); });
   auto* time_step = AddValue(
-      app, "--time-step", "PIXELS", "2",
+      app, "--time-step", "PIXELS", "by --target-error",
       "Motion between two instants of a line; smaller is slower\nand more exact", [&](const std::string& t) {
+        o.time_step_given = true;
         return Store(ParseReal(t, 1e-3, 1e6, "a number of pixels from 0.001 to 1000000"), s.time_step);
       });
   auto* time_samples =
-      AddValue(app, "--time-samples", "N", "by --time-step",
+      AddValue(app, "--time-samples", "N", "by --target-error",
                absl::StrCat("Exactly N instants on a line where something moves,\n1 to ", kMaxTimeSamples),
                [&](const std::string& t) {
                  int count = 0;
@@ -156,10 +160,11 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                  return absl::OkStatus();
                });
   auto* target_error =
-      AddValue(app, "--target-error", "E", "by --time-step",
+      AddValue(app, "--target-error", "E", absl::StrCat(kDefaultTargetError),
                absl::StrCat("Error aimed at in each tile: RMS of linear values, ", kMinTargetError, "\nto ",
                             kMaxTargetError,
-                            "; instants and lines are added until it is\nreached. Resolver slice alone"),
+                            "; decides how many instants lines have, and how\nmany lines pixels have where "
+                            "nothing moves. Resolver\nslice alone"),
                [&](const std::string& t) {
                  double error = 0;
                  SL_RETURN_IF_ERROR(Store(
@@ -167,6 +172,7 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                                absl::StrCat("a number from ", kMinTargetError, " to ", kMaxTargetError)),
                      error));
                  s.target_error = error;
+                 o.target_error_given = true;
                  return absl::OkStatus();
                });
   auto* spp =
@@ -265,17 +271,19 @@ absl::Status CheckJobOptions(JobOptions& options) {
         absl::StrCat("--shutter-close ", s.shutter_close, options.shutter_close_given ? "" : " (the default)",
                      ": must not be less than --shutter-open ", s.shutter_open));
   }
-  if (s.target_error && s.integrator != IntegratorKind::kLine) {
+  if (options.target_error_given && s.integrator != IntegratorKind::kLine) {
     return absl::InvalidArgumentError(absl::StrCat("--target-error ", *s.target_error,
                                                    ": means nothing to --integrator ", ToString(s.integrator),
                                                    ", whose error is set by --spp"));
   }
-  if (s.target_error && s.resolver == ResolverKind::kPaper) {
+  if (options.target_error_given && s.resolver == ResolverKind::kPaper) {
     return absl::InvalidArgumentError(
         absl::StrCat("--target-error ", *s.target_error,
                      ": means nothing to --resolver paper, whose error is set by "
                      "--pattern and --time-cells"));
   }
+  // Who says how instants are placed does not want them placed by an error that nobody asked for.
+  if ((options.time_step_given || s.time_samples) && !options.target_error_given) s.target_error.reset();
   options.output_settings.pixel_type = options.float_given ? PixelType::kFloat : PixelType::kHalf;
   return Validate(s);
 }

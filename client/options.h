@@ -23,6 +23,7 @@ struct JobOptions {
   bool png = false;  ///< Also write an 8-bit sRGB preview beside each EXR.
 
   bool shutter_close_given = false;
+  bool target_error_given = false, time_step_given = false;
   bool half_given = false, float_given = false;
 };
 

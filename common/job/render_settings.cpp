@@ -18,7 +18,8 @@ constexpr Words<IntegratorKind, 3> kIntegrators{{{IntegratorKind::kLine, "line"}
                                                  {IntegratorKind::kStochastic, "stochastic"}}};
 constexpr Words<ReferenceLayout, 2> kReferenceLayouts{
     {{ReferenceLayout::kMotionBvh, "motion-bvh"}, {ReferenceLayout::kSharedInstants, "shared-instants"}}};
-constexpr Words<PatternKind, 6> kPatterns{{{PatternKind::k1h1v, "1h1v"},
+constexpr Words<PatternKind, 7> kPatterns{{{PatternKind::kAuto, "auto"},
+                                           {PatternKind::k1h1v, "1h1v"},
                                            {PatternKind::k2h2v, "2h2v"},
                                            {PatternKind::k4h4v, "4h4v"},
                                            {PatternKind::k8h8v, "8h8v"},
@@ -89,11 +90,6 @@ absl::Status Validate(const RenderSettings& s) {
     if (!(*s.target_error >= kMinTargetError && *s.target_error <= kMaxTargetError)) {
       return OutOfRange("target_error", *s.target_error,
                         absl::StrCat(kMinTargetError, " to ", kMaxTargetError));
-    }
-    if (s.time_samples) {
-      return absl::InvalidArgumentError(absl::StrCat("render settings: target_error (", *s.target_error,
-                                                     ") and time_samples (", *s.time_samples,
-                                                     ") exclude each other"));
     }
   }
   if (s.time_cells < 1 || s.time_cells > kMaxTimeCells) {

@@ -11,10 +11,16 @@ namespace shutterline {
 
 enum class IntegratorKind { kLine, kReference, kStochastic };
 enum class ReferenceLayout { kMotionBvh, kSharedInstants };
-enum class PatternKind { k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
+/// kAuto: `rgls`, and more lines where nothing moves and they are needed.
+enum class PatternKind { kAuto, k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
 enum class PixelType { kHalf, kFloat };
 enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
+
+/// 52 dB below white: what is left of noise cannot be seen. See docs/performance.md.
+inline constexpr double kDefaultTargetError = 0.0025;
+/// Pixels of motion between two instants below which nothing is gained.
+inline constexpr double kFinestTimeStep = 0.5;
 
 /// What decides a frame's pixels. Part of every tile's identity: two renders with equal settings, scene,
 /// frame and engine build are equal to the last bit.
@@ -39,18 +45,19 @@ struct RenderSettings {
 
   // --- Method ------------------------------------------------------------------------------------
   IntegratorKind integrator = IntegratorKind::kLine;
-  PatternKind pattern = PatternKind::kRgls;      ///< Line integrator: which line samples.
+  PatternKind pattern = PatternKind::kAuto;      ///< Line integrator: which line samples.
   ResolverKind resolver = ResolverKind::kSlice;  ///< Line integrator: how visibility is resolved.
   /// Line integrator: pixels of motion between two instants of a line; smaller is slower and more exact.
   double time_step = 2.0;
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
-  /// Resolver `slice`: if set, the error that is aimed at within each tile: the RMS over its pixels and
-  /// channels, linear values, kMinTargetError to kMaxTargetError. Instants, and lines where nothing moves,
-  /// are added until the difference of half sets says that it is reached. Excludes `time_samples`. Unset: as
-  /// many instants as `time_step` asks for.
-  std::optional<double> target_error;
+  /// Resolver `slice`: the error that is aimed at within each tile: the RMS over its pixels and channels,
+  /// linear values, kMinTargetError to kMaxTargetError. Instants, and with `auto` lines where nothing moves,
+  /// are as many as the difference of half sets asks for; at most one every kFinestTimeStep pixels, or every
+  /// `time_step` pixels where that is less. Unset: as many instants as `time_step` asks for. Ignored where
+  /// `time_samples` is set.
+  std::optional<double> target_error = kDefaultTargetError;
   /// Resolver `paper`: equal spans of the shutter, 1 to kMaxTimeCells, into which a line's cells are cut.
   int time_cells = 4;
   int spp = 64;       ///< Reference and stochastic integrators: points (x, y, t) a pixel, 1 to kMaxSpp.

@@ -22,7 +22,8 @@ constexpr Pairs<IntegratorKind, v1::Integrator, 3> kIntegrators{
 constexpr Pairs<ReferenceLayout, v1::ReferenceLayout, 2> kReferenceLayouts{
     {{ReferenceLayout::kMotionBvh, v1::REFERENCE_LAYOUT_MOTION_BVH},
      {ReferenceLayout::kSharedInstants, v1::REFERENCE_LAYOUT_SHARED_INSTANTS}}};
-constexpr Pairs<PatternKind, v1::Pattern, 6> kPatterns{{{PatternKind::k1h1v, v1::PATTERN_1H1V},
+constexpr Pairs<PatternKind, v1::Pattern, 7> kPatterns{{{PatternKind::kAuto, v1::PATTERN_AUTO},
+                                                        {PatternKind::k1h1v, v1::PATTERN_1H1V},
                                                         {PatternKind::k2h2v, v1::PATTERN_2H2V},
                                                         {PatternKind::k4h4v, v1::PATTERN_4H4V},
                                                         {PatternKind::k8h8v, v1::PATTERN_8H8V},
@@ -153,7 +154,7 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
   s.time_step = m.time_step();
   if (m.has_time_samples()) s.time_samples = m.time_samples();
-  if (m.has_target_error()) s.target_error = m.target_error();
+  s.target_error = m.has_target_error() ? std::optional(m.target_error()) : std::nullopt;
   s.time_cells = m.time_cells();
   s.spp = m.spp();
   s.seed = m.seed();

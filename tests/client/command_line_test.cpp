@@ -98,6 +98,7 @@ TEST(Options, EachReachesItsSetting) {
   settings.resolver = ResolverKind::kPaper;
   settings.time_cells = 7;
   settings.time_samples = 17;
+  settings.target_error.reset();
   settings.spp = 256;
   settings.motion_degree = 2;
   settings.motion_pieces = 16;
@@ -108,14 +109,16 @@ TEST(Options, EachReachesItsSetting) {
   EXPECT_EQ(outcome.told.output->FrameFile(4, 4), "out/f.04.exr");
   EXPECT_TRUE(outcome.told.png);
   EXPECT_EQ(Tell(Split("a.glb --time-step 0.125")).told.settings.time_step, 0.125);
+  EXPECT_EQ(Tell(Split("a.glb --time-step 0.125")).told.settings.target_error, std::nullopt);
   EXPECT_EQ(Tell(Split("a.glb --target-error 0.004")).told.settings.target_error, 0.004);
   EXPECT_EQ(Tell(Split("a.glb --target-error 1e-5 --time-step 1")).told.settings.target_error, 1e-5);
   EXPECT_EQ(Tell(Split("a.glb --frame=-7 --half")).told.frames, (FrameRange{-7, -7, 1}));
 }
 
 TEST(Options, EveryPatternHasItsWordAndLinesNameThePatternOfSoMany) {
-  for (const PatternKind pattern : {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
-                                    PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls}) {
+  for (const PatternKind pattern :
+       {PatternKind::kAuto, PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::k8h8v,
+        PatternKind::k16h16v, PatternKind::kRgls}) {
     const Outcome outcome = Tell({"a.glb", "--pattern", std::string(ToString(pattern))});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.told.settings.pattern, pattern);

@@ -98,10 +98,6 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
     s.mutable_render()->clear_time_samples();
     s.mutable_render()->set_target_error(nan);
   });
-  expect("target_error (0.1) and time_samples (3)", [](v1::JobSpec& s) {
-    s.mutable_render()->set_time_samples(3);
-    s.mutable_render()->set_target_error(0.1);
-  });
   expect("motion_degree", [](v1::JobSpec& s) { s.mutable_render()->set_motion_degree(4); });
   expect("motion_pieces", [](v1::JobSpec& s) { s.mutable_render()->set_motion_pieces(3); });
   expect("spp", [](v1::JobSpec& s) { s.mutable_render()->set_spp(-1); });

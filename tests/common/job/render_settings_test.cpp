@@ -75,15 +75,6 @@ TEST(RenderSettings, AStillIsValid) {
   EXPECT_TRUE(Validate(settings).ok());
 }
 
-TEST(RenderSettings, AnErrorToAimAtAndANumberOfInstantsExcludeEachOther) {
-  RenderSettings settings;
-  settings.target_error = 0.01;
-  settings.time_samples = 8;
-  const absl::Status status = Validate(settings);
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("target_error (0.01) and time_samples (8)"));
-}
-
 /// What ToString writes, Parse reads, and nothing else.
 template <typename Enum, typename Parse>
 void ExpectWords(std::vector<Enum> values, Parse parse) {
@@ -103,8 +94,8 @@ TEST(RenderSettings, WordRoundTrips) {
       {IntegratorKind::kLine, IntegratorKind::kReference, IntegratorKind::kStochastic}, ParseIntegrator);
   ExpectWords<ReferenceLayout>({ReferenceLayout::kMotionBvh, ReferenceLayout::kSharedInstants},
                                ParseReferenceLayout);
-  ExpectWords<PatternKind>({PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v, PatternKind::k8h8v,
-                            PatternKind::k16h16v, PatternKind::kRgls},
+  ExpectWords<PatternKind>({PatternKind::kAuto, PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
+                            PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls},
                            ParsePattern);
   ExpectWords<ResolverKind>({ResolverKind::kSlice, ResolverKind::kPaper}, ParseResolver);
   ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);

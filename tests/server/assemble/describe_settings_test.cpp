@@ -11,7 +11,9 @@ using testing::Not;
 
 TEST(DescribeSettings, NamesWhatPlacesTheInstantsAndNothingThatIsNotUsed) {
   RenderSettings settings;
+  EXPECT_THAT(DescribeSettings(settings), HasSubstr("pattern=auto resolver=slice time_step=2 target_error="));
   settings.pattern = PatternKind::k16h16v;
+  settings.target_error.reset();
   EXPECT_THAT(DescribeSettings(settings), HasSubstr("pattern=16h16v resolver=slice time_step=2"));
   EXPECT_THAT(DescribeSettings(settings), Not(HasSubstr("target_error")));
 

@@ -76,7 +76,8 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
-  ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); });
+  ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
+                 [this](uint32_t triangle) { return GuessOf(triangle); });
   resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
@@ -109,6 +110,12 @@ std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const V3f middles = nodes.middles[0] + nodes.middles[1] + nodes.middles[2];
   if (is_near((4.0f * middles - corners) / 9.0f)) return nodes;
   return std::nullopt;
+}
+
+V3f LineIntegrator::GuessOf(uint32_t triangle) const {
+  // A footprint as large as the triangle: the mean of its texture, about.
+  constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1};
+  return Shade(*frame_, triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,

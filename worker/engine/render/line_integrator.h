@@ -28,6 +28,8 @@ class LineIntegrator final : public TileIntegrator {
 
   /// What a triangle looks like, if a few colours say it.
   std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
+  /// One colour that stands for the triangle.
+  V3f GuessOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
                   RenderStats& stats) const;
   void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,

@@ -43,6 +43,7 @@ const LinePattern& LinePattern::Get(PatternKind kind) {
       return k8h8v;
     case PatternKind::k16h16v:
       return k16h16v;
+    case PatternKind::kAuto:
     case PatternKind::kRgls:
       return kRgls;
   }

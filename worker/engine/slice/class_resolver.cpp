@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "worker/engine/visibility/time_samples.h"
-
 namespace shutterline::engine {
 namespace {
 
@@ -13,10 +11,10 @@ constexpr double kSegmentsPerStretch = 12;
 
 }  // namespace
 
-void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, int64_t instants, TileColors& colors,
-                            PairWeights& weights, RenderStats& stats) {
+void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
+                            TileColors& colors, PairWeights& weights, RenderStats& stats) {
   stats.lines += lines.rows();
-  stats.instants += instants * lines.rows();
+  stats.instants += int64_t(instants.size()) * lines.rows();
   group_count_ = lines.groups.size();
   if (groups_.size() < group_count_) groups_.resize(group_count_);
   const int stretches = ChooseStretches(strata, lines);
@@ -29,12 +27,9 @@ void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, int64_t 
   for (size_t g = 0; g < group_count_; ++g) groups_[g].EndStatic();
 
   if (!strata.moves()) {
-    for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(instants);
+    for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(int64_t(instants.size()));
   } else {
-    for (int64_t i = 0; i < instants; ++i) {
-      const double t = TimeSamples::InstantAt(i, instants, lines.instant_offset);
-      ResolveInstant(strata.At(t), lines, t);
-    }
+    for (const double t : instants) ResolveInstant(strata.At(t), lines, t);
   }
   for (size_t g = 0; g < group_count_; ++g) groups_[g].End(still_, weights);
 }

@@ -10,13 +10,13 @@
 
 namespace shutterline::engine {
 
-/// Resolves one class of lines of a tile: what stands still once, then every instant, front to back. Keeps its
-/// memory; one per thread.
+/// Resolves one class of lines of a tile: what stands still once, then every instant, front to back. Keeps
+/// its memory; one per thread.
 class ClassResolver {
  public:
-  /// `instants`: at how many instants what moves is resolved; each weighs 1.
-  void Resolve(TileStrata& strata, const LineClass& lines, int64_t instants, TileColors& colors,
-               PairWeights& weights, RenderStats& stats);
+  /// `instants`: the times at which what moves is resolved; each weighs 1.
+  void Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
+               TileColors& colors, PairWeights& weights, RenderStats& stats);
 
  private:
   int ChooseStretches(const TileStrata& strata, const LineClass& lines) const;

@@ -40,8 +40,8 @@ void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const Li
     static_pieces_[size_t(k)].rows = 0;
     HiddenBelow& hidden = hidden_below_[size_t(k)];
     for (size_t lane = 0; lane < kLanes; ++lane) {
-      const bool is_line = std::max(group_->begin[lane], lists.stretch_begin) <
-                           std::min(group_->end[lane], lists.stretch_end);
+      const bool is_line =
+          std::max(group_->begin[lane], lists.stretch_begin) < std::min(group_->end[lane], lists.stretch_end);
       hidden[lane] = is_line ? kNothingHidden : kEverythingHidden;
     }
     static_hidden_below_[size_t(k)] = hidden;
@@ -168,8 +168,8 @@ void GroupResolver::Compact(int stretch) {
   UpdateHiddenEverywhere();
 }
 
-void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces, double t,
-                              const std::array<int64_t, kLanes>& weights, InstantPlacer* moving,
+void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces,
+                              double t, const std::array<int64_t, kLanes>& weights, InstantPlacer* moving,
                               InstantPlacer& still) {
   for (int lane = 0; lane < group_->lanes; ++lane) {
     const int64_t weight = weights[size_t(lane)];

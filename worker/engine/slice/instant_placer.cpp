@@ -53,7 +53,7 @@ bool InstantPlacer::PlaceNext() {
   }
   PlaceTriangles(stratum_->triangles(), from.triangles, to.triangles, vertices_, t_, *lines_, placed_);
   if (placed_.clipped_count > 0) ClipTriangles(from.triangles);
-  nearest_left_ = next_clipped_ < clipped_.count             ? kAnything
+  nearest_left_ = next_clipped_ < clipped_.count     ? kAnything
                   : next_block_ < stratum_->blocks() ? stratum_->block(next_block_).nearest
                                                      : kNothingLeft;
   return true;

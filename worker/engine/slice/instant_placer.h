@@ -21,8 +21,8 @@ class InstantPlacer {
   /// Bound on the depth of everything that has not been placed yet; negative infinity if nothing is left.
   float nearest_left() const { return nearest_left_; }
 
-  /// Places the next triangles. False if there are none left. What is left of triangles that cross the near or
-  /// the far plane follows their block.
+  /// Places the next triangles. False if there are none left. What is left of triangles that cross the near
+  /// or the far plane follows their block.
   bool PlaceNext();
   const PlacedTriangles& placed() const { return placed_; }
 

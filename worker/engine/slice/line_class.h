@@ -39,7 +39,7 @@ struct LineClass {
   int family = 0;
   LineAxes axes;
   double instant_offset = 0.5;
-  int length = 0;  ///< Of the tile along the major axis, pixels.
+  int length = 0;               ///< Of the tile along the major axis, pixels.
   std::vector<TileLine> lines;  ///< By row.
   std::vector<LineGroup> groups = {};
   std::vector<int32_t> pixels = {};  ///< See PixelOf.

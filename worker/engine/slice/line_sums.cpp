@@ -97,10 +97,8 @@ void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights
   for (int step = first_step_; step <= last_step_; ++step) {
     Share& share = shares_[size_t(step)];
     if (share.weight == 0) continue;
-    PixelPair pair{.triangle = triangle.id,
-                   .bin = bin,
-                   .bins_log2 = triangle.shading_bins_log2,
-                   .weight = share.weight};
+    PixelPair pair{
+        .triangle = triangle.id, .bin = bin, .bins_log2 = triangle.shading_bins_log2, .weight = share.weight};
     if (triangle.needs_position) {
       const double over = share.position[2];
       // Rounding must not leave the triangle.

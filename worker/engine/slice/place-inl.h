@@ -89,8 +89,8 @@ inline void PlaceTrianglesKernel(const GroupTriangles& triangles, size_t begin, 
   const auto time = hn::Set(d, t);
   const auto last_row = hn::Set(d, double(lines.rows() - 1));
   const auto line_end = hn::Set(d, double(lines.length) * double(kSubpixelsPerPixel));
-  // Raster y points down, which makes triangles that turn counter-clockwise turn the other way, and exchanging
-  // the axes turns them again.
+  // Raster y points down, which makes triangles that turn counter-clockwise turn the other way, and
+  // exchanging the axes turns them again.
   const auto facing = hn::Set(d, lines.axes.major_is_x ? 1.0 : -1.0);
 
   out.met_count = 0;

@@ -2,11 +2,12 @@
 
 #include "common/base/check.h"
 #include "common/math/tolerance.h"
+#include "worker/engine/visibility/time_samples.h"
 
 namespace shutterline::engine {
 
 ResolverSlice::ResolverSlice(const RenderSettings& settings)
-    : pattern_(LinePattern::Get(settings.pattern)), time_samples_(settings) {}
+    : pattern_(LinePattern::Get(settings.pattern)), effort_chooser_(settings) {}
 
 std::unique_ptr<ResolverSlice::Workspace> ResolverSlice::TakeWorkspace() const {
   const std::lock_guard lock(mutex_);
@@ -22,15 +23,18 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
   std::unique_ptr<Workspace> work = TakeWorkspace();
   work->mesh.Build(tile, pattern_);
   work->strata.Build(work->mesh);
-  work->colors.Begin(work->mesh, flat);
-
-  const int64_t instants = work->strata.moves() ? time_samples_.InstantsFor(work->strata.motion_pixels()) : 1;
-  const auto line_weight = uint64_t(instants) * uint64_t{kSubpixelsPerPixel};
-  weights.Reset(tile.rect.Area(), line_weight * uint64_t(pattern_.StepsPerPixel()));
+  const Effort effort = effort_chooser_.Choose(work->strata, flat, work->effort, stats);
+  const auto line_weight = uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel};
+  weights.Reset(tile.rect.Area(), line_weight * uint64_t(effort.pattern->StepsPerPixel()));
   if (flat != nullptr) flat->Reset(tile.rect.Area());
+  work->colors.Begin(work->mesh, flat);
   if (!work->mesh.triangles().empty()) {
-    for (const LineClass& lines : work->lines.In(pattern_, tile.rect)) {
-      work->class_resolver.Resolve(work->strata, lines, instants, work->colors, weights, stats);
+    for (const LineClass& lines : work->lines.In(*effort.pattern, tile.rect)) {
+      work->instants.clear();
+      for (int64_t i = 0; i < effort.instants; ++i) {
+        work->instants.push_back(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset));
+      }
+      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, weights, stats);
     }
   }
   const std::lock_guard lock(mutex_);

@@ -6,12 +6,12 @@
 
 #include "common/job/render_settings.h"
 #include "worker/engine/slice/class_resolver.h"
+#include "worker/engine/slice/effort_chooser.h"
 #include "worker/engine/slice/line_class.h"
 #include "worker/engine/slice/tile_colors.h"
 #include "worker/engine/slice/tile_mesh.h"
 #include "worker/engine/slice/tile_strata.h"
 #include "worker/engine/visibility/resolver.h"
-#include "worker/engine/visibility/time_samples.h"
 
 namespace shutterline::engine {
 
@@ -37,12 +37,14 @@ class ResolverSlice final : public Resolver {
     TileStrata strata;
     TileColors colors;
     TileLines lines;
+    EffortChooser::Workspace effort;
     ClassResolver class_resolver;
+    std::vector<double> instants;
   };
   std::unique_ptr<Workspace> TakeWorkspace() const;
 
-  const LinePattern& pattern_;
-  TimeSamples time_samples_;
+  const LinePattern& pattern_;  // Where something moves.
+  EffortChooser effort_chooser_;
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Workspace>> free_workspaces_;  // Guarded by mutex_.
 };

@@ -13,9 +13,15 @@ constexpr double kColorTolerance = 1e-3;
 
 }  // namespace
 
+void TileColors::BeginGuessing(const TileMesh& mesh, ColorFilm& film) {
+  Begin(mesh, &film);
+  guesses_ = true;
+}
+
 void TileColors::Begin(const TileMesh& mesh, ColorFilm* film) {
   mesh_ = &mesh;
   film_ = film;
+  guesses_ = false;
   if (film == nullptr) return;
   const size_t count = mesh.triangles().size();
   kinds_.assign(count, ColorKind::kUnknown);
@@ -25,6 +31,12 @@ void TileColors::Begin(const TileMesh& mesh, ColorFilm* film) {
 }
 
 void TileColors::Shade(uint32_t index) {
+  if (guesses_) {
+    const V3f color = film_->Guess(mesh_->triangles()[index].id);
+    colors_[index] = {double(color.x), double(color.y), double(color.z), 1};
+    kinds_[index] = ColorKind::kConstant;
+    return;
+  }
   const std::optional<ColorNodes> nodes = film_->Shade(mesh_->triangles()[index].id);
   if (!nodes) {
     kinds_[index] = ColorKind::kApart;

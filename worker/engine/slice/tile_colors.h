@@ -26,6 +26,9 @@ class TileColors {
   /// Begins a tile. `film` may be null: everything is kept apart by triangle then.
   void Begin(const TileMesh& mesh, ColorFilm* film);
 
+  /// The same, but every triangle has the colour that the film guesses.
+  void BeginGuessing(const TileMesh& mesh, ColorFilm& film);
+
   ColorFilm* film() const { return film_; }
 
   /// Of a triangle of the tile's mesh.
@@ -34,6 +37,9 @@ class TileColors {
     if (kinds_[index] == ColorKind::kUnknown) Shade(index);
     return kinds_[index];
   }
+
+  /// Has KindOf been asked of it?
+  bool WasSeen(uint32_t index) const { return kinds_[index] != ColorKind::kUnknown; }
 
   /// Of a constant one.
   const Color& ColorOf(uint32_t index) const { return colors_[index]; }
@@ -51,6 +57,7 @@ class TileColors {
 
   const TileMesh* mesh_ = nullptr;
   ColorFilm* film_ = nullptr;
+  bool guesses_ = false;
   // By triangle of the mesh.
   std::vector<ColorKind> kinds_;
   std::vector<Color> colors_;

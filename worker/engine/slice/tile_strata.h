@@ -9,10 +9,10 @@
 
 namespace shutterline::engine {
 
-/// A tile's triangles by when they may be seen: those that stand still, and those that move, in equal parts of
-/// the shutter, in each of which things have moved on by a few pixels: what is in the tile for a short while is
-/// looked at for a short while only, which keeps the price linear in the length of the motion. Shared by all
-/// classes of lines. Keeps its memory.
+/// A tile's triangles by when they may be seen: those that stand still, and those that move, in equal parts
+/// of the shutter, in each of which things have moved on by a few pixels: what is in the tile for a short
+/// while is looked at for a short while only, which keeps the price linear in the length of the motion.
+/// Shared by all classes of lines. Keeps its memory.
 class TileStrata {
  public:
   void Build(const TileMesh& mesh);

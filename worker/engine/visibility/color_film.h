@@ -27,18 +27,28 @@ class ColorFilm {
   /// What a triangle of the frame looks like; nothing where that is not so simple.
   using Shader = std::function<std::optional<ColorNodes>(uint32_t triangle)>;
 
-  explicit ColorFilm(Shader shader) : shader_(std::move(shader)) {}
+  /// One colour that stands for a triangle of the frame, whatever it looks like: good enough to measure how
+  /// far two ways of sampling it are apart.
+  using Guesser = std::function<V3f(uint32_t triangle)>;
+
+  /// Without a guesser nothing can be measured before it is rendered.
+  explicit ColorFilm(Shader shader, Guesser guesser = {})
+      : shader_(std::move(shader)), guesser_(std::move(guesser)) {}
 
   void Reset(int64_t pixels) { sums_.assign(size_t(pixels), {0, 0, 0, 0}); }
 
   std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }
+  bool CanGuess() const { return guesser_ != nullptr; }
+  V3f Guess(uint32_t triangle) const { return guesser_(triangle); }
 
   /// Red, green, blue, coverage; `pixel` counts in rows within the tile.
   std::array<double, 4>& At(int64_t pixel) { return sums_[size_t(pixel)]; }
   const std::array<double, 4>& At(int64_t pixel) const { return sums_[size_t(pixel)]; }
+  const std::vector<std::array<double, 4>>& sums() const { return sums_; }
 
  private:
   Shader shader_;
+  Guesser guesser_;
   std::vector<std::array<double, 4>> sums_;
 };
 
