@@ -6,13 +6,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <limits>
+#include <array>
 #include <new>
 #include <utility>
 
 #include "common/base/status_macros.h"
 #include "worker/engine/accel/embree.h"
-#include "worker/engine/accel/frustum_cull.h"
+#include "worker/engine/accel/facing.h"
+#include "worker/engine/accel/swept_bounds.h"
 #include "worker/engine/accel/triangle_refs.h"
 #include "worker/engine/accel/view_scale.h"
 
@@ -23,12 +24,6 @@ constexpr unsigned kBranching = 4;
 constexpr unsigned kMaxLeafRefs = 8;
 /// Far above what a sensible scene needs: only nested triangles of exponentially growing size come near.
 constexpr unsigned kMaxDepth = 512;
-void Extend(ViewBounds& bounds, const ViewBounds& other) {
-  for (int axis = 0; axis < 3; ++axis) {
-    bounds.lower[axis] = std::min(bounds.lower[axis], other.lower[axis]);
-    bounds.upper[axis] = std::max(bounds.upper[axis], other.upper[axis]);
-  }
-}
 
 /// A node as Embree's builder makes it, in the builder's memory: children, or else references.
 struct BuildNode {
@@ -60,9 +55,10 @@ struct BuildNode {
 /// Nodes in preorder, so that the references below any node are one range of `refs_` and walking the tree
 /// needs no stack: a node's first child follows it, and `skip` is where one goes on without them.
 ///
-/// A triangle is collected if, for one of its references, neither the bounds nor the hull lie outside: what
-/// a node decides for all of its references is what each would decide alone. So the answer does not depend on
-/// the tree, which is not the same for every number of threads.
+/// The tree is built in view space, where scenes are split well, but asked in the raster, where a tile and
+/// what a triangle sweeps are rectangles. A triangle is collected if those of one of its references overlap
+/// the tile's: what a node decides for all of its references is what each would decide alone. So the answer
+/// does not depend on the tree, which is not the same for every number of threads.
 class FlatBvh : public Bvh {
  public:
   explicit FlatBvh(std::shared_ptr<const FrameScene> frame)
@@ -76,30 +72,25 @@ class FlatBvh : public Bvh {
 
   void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const override {
     if (nodes_.empty()) return;
-    const TileFrustum frustum(frame_->view, rect, scale_);
+    const TileBorders tile(rect);
     thread_local std::vector<uint32_t> cut;  // Triangles of several references, which may come again.
-    thread_local std::vector<RasterPoint> hull;
     cut.clear();
     const uint32_t end = uint32_t(nodes_.size()) - 1;  // The last node is a sentinel.
     for (uint32_t n = 0; n < end;) {
       const Node& node = nodes_[n];
-      const TileFrustum::Side side = frustum.ClassifyBox(node.bounds);
+      if (!tile.Overlap(node.bounds)) {
+        n = node.skip;
+        continue;
+      }
+      const bool whole = tile.Hold(node.bounds);
       const bool is_leaf = node.skip == n + 1;
-      if (side == TileFrustum::Side::kCrossing && !is_leaf) {
+      if (!whole && !is_leaf) {
         ++n;
         continue;
       }
-      if (side != TileFrustum::Side::kOutside) {
-        for (uint32_t i = node.first_ref; i < nodes_[node.skip].first_ref; ++i) {
-          const TriangleRef& ref = refs_[i];
-          if (side == TileFrustum::Side::kCrossing) {
-            if (frustum.ClassifyBox(bounds_[i]) == TileFrustum::Side::kOutside) continue;
-            hull.clear();
-            AppendHull(*frame_, ref, hull);
-            if (!frustum.MayContain(hull)) continue;
-          }
-          (ref.spans == 1 ? triangles : cut).push_back(ref.triangle);
-        }
+      for (uint32_t i = node.first_ref; i < nodes_[node.skip].first_ref; ++i) {
+        if (!whole && !tile.Overlap(bounds_[i])) continue;
+        (refs_[i].spans == 1 ? triangles : cut).push_back(refs_[i].triangle);
       }
       n = node.skip;
     }
@@ -109,7 +100,7 @@ class FlatBvh : public Bvh {
 
  private:
   struct Node {
-    ViewBounds bounds;
+    SweptBounds bounds;  ///< Of its references.
     uint32_t skip;       ///< The next node that is not below this one.
     uint32_t first_ref;  ///< Its references end where those of node `skip` begin.
   };
@@ -121,11 +112,10 @@ class FlatBvh : public Bvh {
     const std::vector<TriangleRef> refs = MakeTriangleRefs(*frame_);
     const size_t count = refs.size();
     std::vector<RTCBuildPrimitive> primitives(count);
-    std::vector<ViewBounds> bounds(count);  // The builder reorders its primitives.
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096),
                       [&](const tbb::blocked_range<size_t>& part) {
                         for (size_t i = part.begin(); i < part.end(); ++i) {
-                          const ViewBounds& b = bounds[i] = BoundsOf(*frame_, refs[i], scale_);
+                          const ViewBounds b = BoundsOf(*frame_, refs[i], scale_);
                           primitives[i] = {b.lower[0], b.lower[1], b.lower[2], 0,
                                            b.upper[0], b.upper[1], b.upper[2], uint32_t(i)};
                         }
@@ -158,37 +148,77 @@ class FlatBvh : public Bvh {
 
     // Flatten it.
     refs_.reserve(count);
-    bounds_.reserve(count);
-    Flatten(*static_cast<const BuildNode*>(root), refs, bounds);
+    Flatten(*static_cast<const BuildNode*>(root), refs);
     nodes_.push_back({{}, uint32_t(nodes_.size()), uint32_t(refs_.size())});
     nodes_.shrink_to_fit();
     if (refs_.size() != count) return absl::InternalError("build BVH: Embree lost triangles");
+    BoundInRaster();
     return absl::OkStatus();
   }
 
-  /// Appends `built` and all below it; returns its bounds. As deep a recursion as the tree.
-  ViewBounds Flatten(const BuildNode& built, const std::vector<TriangleRef>& refs,
-                     const std::vector<ViewBounds>& bounds) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    ViewBounds hull{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  /// Appends `built` and all below it. As deep a recursion as the tree.
+  void Flatten(const BuildNode& built, const std::vector<TriangleRef>& refs) {
     const size_t n = nodes_.size();
-    nodes_.push_back({hull, 0, uint32_t(refs_.size())});
-    for (unsigned i = 0; i < built.ref_count; ++i) {
-      refs_.push_back(refs[built.refs[i]]);
-      bounds_.push_back(bounds[built.refs[i]]);
-      Extend(hull, bounds_.back());
-    }
-    for (unsigned i = 0; i < built.child_count; ++i) Extend(hull, Flatten(*built.children[i], refs, bounds));
-    nodes_[n].bounds = hull;
+    nodes_.push_back({{}, 0, uint32_t(refs_.size())});
+    for (unsigned i = 0; i < built.ref_count; ++i) refs_.push_back(refs[built.refs[i]]);
+    for (unsigned i = 0; i < built.child_count; ++i) Flatten(*built.children[i], refs);
     nodes_[n].skip = uint32_t(nodes_.size());
-    return hull;
+  }
+
+  /// Bounds references and nodes in the raster, and drops the references that are never visible.
+  void BoundInRaster() {
+    bounds_.resize(refs_.size());
+    const double far_depth = frame_->view.FarDepth();
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, refs_.size(), 1024),
+                      [&](const tbb::blocked_range<size_t>& part) {
+                        std::vector<RasterPoint> hull;
+                        for (size_t i = part.begin(); i < part.end(); ++i) {
+                          if (IsCulled(refs_[i].triangle)) continue;
+                          hull.clear();
+                          AppendHull(*frame_, refs_[i], hull);
+                          bounds_[i] = BoundsInRaster(hull, far_depth);
+                        }
+                      });
+    uint32_t ref = 0, kept = 0;
+    for (Node& node : nodes_) {
+      for (; ref < node.first_ref; ++ref) {
+        if (bounds_[ref].IsEmpty()) continue;
+        refs_[kept] = refs_[ref];
+        bounds_[kept++] = bounds_[ref];
+      }
+      node.first_ref = kept;
+    }
+    refs_.resize(kept);
+    bounds_.resize(kept);
+    // Children come after their parents.
+    for (size_t n = nodes_.size() - 1; n-- > 0;) {
+      Node& node = nodes_[n];
+      if (node.skip == n + 1) {
+        for (uint32_t i = node.first_ref; i < nodes_[node.skip].first_ref; ++i) {
+          node.bounds.Extend(bounds_[i]);
+        }
+      }
+      for (uint32_t child = uint32_t(n) + 1; child < node.skip; child = nodes_[child].skip) {
+        node.bounds.Extend(nodes_[child].bounds);
+      }
+    }
+  }
+
+  /// Seen from behind all through the shutter, and not drawn there.
+  bool IsCulled(uint32_t number) const {
+    const FrameTriangle& triangle = frame_->triangles[number];
+    const FramePrimitive& primitive = frame_->primitives[triangle.primitive];
+    if (primitive.material->double_sided) return false;
+    std::array<const RasterPoint*, 3> points;
+    for (size_t k = 0; k < 3; ++k) points[k] = frame_->ControlPoints(primitive, triangle.vertices[k]);
+    return ShowsItsBackAlways(points, primitive.degree, primitive.pieces);
   }
 
   std::shared_ptr<const FrameScene> frame_;
-  double scale_;  ///< Metres a unit of the nodes' bounds.
+  double scale_;  ///< Metres a unit of the bounds that Embree is given.
   std::vector<Node> nodes_;
   std::vector<TriangleRef> refs_;
-  std::vector<ViewBounds> bounds_;  ///< One a reference.
+  std::vector<SweptBounds> bounds_;  ///< One a reference.
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/engine/accel/frustum_cull.h"
+#include "worker/engine/accel/view_bounds.h"
 #include "worker/engine/scene/frame_scene.h"
 
 namespace shutterline::engine {
