@@ -47,6 +47,7 @@ absl::StatusOr<Delivery> Deliver(Connection& connection, const std::string& job_
   SL_ASSIGN_OR_RETURN(delivery.job, WatchJob(connection, job_id, [&](const v1::JobEvent& event) {
                         if (event.has_job()) progress.Update(FactsOf(event.job()));
                         if (event.has_frame() && event.frame().state() == v1::FRAME_STATE_FINISHED) {
+                          delivery.finished[event.frame().frame()] = event.frame();
                           return fetch(event.frame().frame());
                         }
                         return absl::OkStatus();

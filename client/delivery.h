@@ -2,6 +2,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,9 @@ namespace shutterline::client {
 
 /// What a job's watcher has in hand when the job has ended.
 struct Delivery {
-  v1::Job job;                       ///< How it ended; without its specification.
-  std::vector<FetchedFrame> frames;  ///< In the order in which they were written.
+  v1::Job job;                              ///< How it ended; without its specification.
+  std::vector<FetchedFrame> frames;         ///< In the order in which they were written.
+  std::map<int, v1::FrameStatus> finished;  ///< How each finished frame stands, by its number.
 
   /// kSuccess where every frame is here, kPartial where some are, kFailed where none is.
   ExitCode Code() const;

@@ -304,6 +304,10 @@ void AddQuietOption(CLI::App& app, bool& quiet) {
   app.add_flag("-q,--quiet", quiet, "No progress, errors alone");
 }
 
+void AddStatsOption(CLI::App& app, bool& stats) {
+  app.add_flag("--stats", stats, "Also print what rendering took: instants, spans, seconds by\nstage");
+}
+
 ProgressStyle ChooseStyle(const Console& console, bool quiet) {
   if (quiet) return ProgressStyle::kQuiet;
   return console.err_is_terminal ? ProgressStyle::kBar : ProgressStyle::kLines;

@@ -42,6 +42,9 @@ void AddOutputOption(CLI::App& app, std::optional<OutputPath>& output, const std
 void AddJsonOption(CLI::App& app, bool& json);
 void AddQuietOption(CLI::App& app, bool& quiet);
 
+/// --stats, where a command knows finished frames.
+void AddStatsOption(CLI::App& app, bool& stats);
+
 /// A bar where errors go to a terminal, lines where they do not.
 ProgressStyle ChooseStyle(const Console& console, bool quiet);
 

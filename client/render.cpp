@@ -11,6 +11,7 @@
 #include "client/report.h"
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
+#include "common/job/describe_settings.h"
 
 namespace shutterline::client {
 namespace {
@@ -42,10 +43,12 @@ class RenderCommand : public Command {
              });
     AddJsonOption(app, json_);
     AddQuietOption(app, quiet_);
+    AddStatsOption(app, stats_);
     AddExamples(app,
                 {"shutterline render fox.glb -o fox.exr --png",
                  "shutterline render fox.glb -o fox.####.exr --frames 1-48 --fps 24 --shutter-close 0.5",
-                 "shutterline render fox.glb -o truth.exr --integrator reference --spp 1024"},
+                 "shutterline render fox.glb -o truth.exr --integrator reference --spp 1024",
+                 "shutterline render fox.glb -o fox.exr --target-error 0.004 --stats"},
                 "Frames are written as they are finished; Ctrl-C stops cleanly and keeps those.");
   }
 
@@ -73,7 +76,9 @@ class RenderCommand : public Command {
       RemoveParts(submission.job.id());
       return delivery.status();
     }
-    return Report(console, *delivery, submission.upload, json_, quiet_);
+    ReportOptions report{json_, quiet_, std::nullopt};
+    if (stats_) report.stats_of = DescribeSettings(options_.settings);
+    return Report(console, *delivery, submission.upload, report);
   }
 
  private:
@@ -89,7 +94,7 @@ class RenderCommand : public Command {
   JobOptions options_;
   int threads_ = 0;  ///< 0: all processors.
   std::string log_level_ = "warn";
-  bool json_ = false, quiet_ = false;
+  bool json_ = false, quiet_ = false, stats_ = false;
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <absl/strings/str_cat.h>
 
 #include <iomanip>
+#include <map>
+#include <optional>
 
 #include "client/commands.h"
 #include "client/delivery.h"
@@ -9,7 +11,10 @@
 #include "client/json_output.h"
 #include "client/options.h"
 #include "client/server_option.h"
+#include "client/stats_report.h"
 #include "common/base/status_macros.h"
+#include "common/job/describe_settings.h"
+#include "proto/convert/job_spec.h"
 
 namespace shutterline::client {
 namespace {
@@ -24,7 +29,11 @@ class StatusCommand : public Command {
     AddJobArgument(app, job_);
     server_.Declare(app);
     AddJsonOption(app, json_);
-    AddExamples(app, {"shutterline status 0f8fad5b-d9cb-469f-a165-70867728950e --server farm:7400"});
+    AddStatsOption(app, stats_);
+    AddExamples(app,
+                {"shutterline status 0f8fad5b-d9cb-469f-a165-70867728950e --server farm:7400",
+                 "shutterline status 0f8fad5b-d9cb-469f-a165-70867728950e --stats --server farm:7400"},
+                "Statistics are told of jobs that have ended, failed and cancelled ones included.");
   }
 
   absl::Status Check() override { return server_.Check(); }
@@ -37,15 +46,40 @@ class StatusCommand : public Command {
                         connection->Repeat<v1::Job>("get the job", [&](auto* context, auto* reply) {
                           return connection->jobs().Get(context, request, reply);
                         }));
+    std::optional<StatsReport> stats;
+    if (stats_) {
+      SL_ASSIGN_OR_RETURN(stats, Statistics(*connection, job));
+    }
     if (json_) {
-      Print(ToJson(job), console.out);
+      Json json = ToJson(job);
+      if (stats) json["stats"] = ToJson(*stats);
+      Print(json, console.out);
     } else {
       PrintJob(job, console.out);
+      if (stats) PrintStats(*stats, console.out);
     }
     return ExitCode::kSuccess;
   }
 
  private:
+  /// What the finished frames of a job took; FAILED_PRECONDITION before its end.
+  static absl::StatusOr<StatsReport> Statistics(Connection& connection, const v1::Job& job) {
+    if (!HasEnded(job.state())) {
+      return absl::FailedPreconditionError(absl::StrCat("job ", job.id(), " is ", WordOf(job.state()),
+                                                        ": --stats tells of jobs that have ended"));
+    }
+    SL_ASSIGN_OR_RETURN(const RenderSettings settings,
+                        convert::FromProto(job.spec().render(), "spec.render"));
+    std::map<int, v1::FrameStatus> finished;
+    SL_RETURN_IF_ERROR(WatchJob(connection, job.id(), [&](const v1::JobEvent& event) {
+                         if (event.has_frame() && event.frame().state() == v1::FRAME_STATE_FINISHED) {
+                           finished[event.frame().frame()] = event.frame();
+                         }
+                         return absl::OkStatus();
+                       }).status());
+    return MakeStatsReport(DescribeSettings(settings), finished);
+  }
+
   static void PrintJob(const v1::Job& job, std::ostream& out) {
     const ProgressFacts facts = FactsOf(job);
     const v1::JobSpec& spec = job.spec();
@@ -69,7 +103,7 @@ class StatusCommand : public Command {
 
   std::string job_;
   ServerOption server_;
-  bool json_ = false;
+  bool json_ = false, stats_ = false;
 };
 
 }  // namespace

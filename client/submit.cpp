@@ -11,6 +11,7 @@
 #include "client/report.h"
 #include "client/server_option.h"
 #include "common/base/status_macros.h"
+#include "common/job/describe_settings.h"
 
 namespace shutterline::client {
 namespace {
@@ -23,6 +24,7 @@ class SubmitCommand : public Command {
     app.add_flag("--wait", wait_, "Follow the job to its end and fetch its frames into -o")->group("Output");
     AddJsonOption(app, json_);
     AddQuietOption(app, quiet_);
+    AddStatsOption(app, stats_);
     AddExamples(app,
                 {"shutterline submit fox.glb --frames 1-48 --server farm:7400",
                  "shutterline submit fox.glb --frames 1-48 --wait -o fox.####.exr --png --server farm:7400"},
@@ -37,6 +39,9 @@ class SubmitCommand : public Command {
     }
     if (!wait_ && options_.png) {
       return absl::InvalidArgumentError("--png needs --wait; without it, use 'shutterline fetch --png'");
+    }
+    if (!wait_ && stats_) {
+      return absl::InvalidArgumentError("--stats needs --wait; without it, use 'shutterline status --stats'");
     }
     return CheckJobOptions(options_);
   }
@@ -71,13 +76,15 @@ class SubmitCommand : public Command {
     if (!delivery.ok()) {
       return Annotate(delivery.status(), absl::StrCat("job ", id, " is left to the server"));
     }
-    return Report(console, *delivery, submission.upload, json_, quiet_);
+    ReportOptions report{json_, quiet_, std::nullopt};
+    if (stats_) report.stats_of = DescribeSettings(options_.settings);
+    return Report(console, *delivery, submission.upload, report);
   }
 
  private:
   JobOptions options_;
   ServerOption server_;
-  bool wait_ = false, json_ = false, quiet_ = false;
+  bool wait_ = false, json_ = false, quiet_ = false, stats_ = false;
 };
 
 }  // namespace

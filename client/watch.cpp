@@ -35,7 +35,7 @@ class WatchCommand : public Command {
                           return absl::OkStatus();
                         }));
     progress.Finish();
-    const Delivery delivery{job, {}};
+    const Delivery delivery{job, {}, {}};
     if (!json_ && !quiet_) console.out << DescribeEnd(job) << "\n";
     return delivery.Code();
   }

@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "common/base/status_macros.h"
 #include "common/job/tile.h"
 #include "proto/convert/job_spec.h"
+#include "proto/convert/render_stats.h"
 #include "proto/convert/status.h"
 #include "server/api/limits.h"
 
@@ -98,6 +100,7 @@ v1::FrameStatus ToMessage(const FrameSnapshot& frame) {
     *message.mutable_digest() = convert::ToProto(frame.digest);
     message.set_size_bytes(frame.size);
   }
+  if (frame.stats.tiles > 0) *message.mutable_stats() = convert::ToProto(frame.stats);
   return message;
 }
 
@@ -186,6 +189,9 @@ absl::StatusOr<TileReport> TakeReport(v1::TileResult& result) {
   report.frame = result.frame();
   report.tile = result.tile();
   report.render_time = convert::FromProto(result.render_time());
+  SL_ASSIGN_OR_RETURN(
+      report.stats, convert::FromProto(result.stats(), absl::StrCat("tiles: the result of tile ", report.tile,
+                                                                    " of frame ", report.frame, ": stats")));
   switch (result.what_case()) {
     case v1::TileResult::kRgba:
       report.rgba = std::move(*result.mutable_rgba());

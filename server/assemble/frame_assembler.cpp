@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/exr.h"
 #include "common/image/image.h"
+#include "common/job/describe_settings.h"
 #include "common/job/tile.h"
 
 namespace shutterline::server {
@@ -57,30 +58,6 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 }
 
 }  // namespace
-
-std::string DescribeSettings(const RenderSettings& s) {
-  std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
-                                  " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
-  if (s.motion_degree) absl::StrAppend(&text, " motion_degree=", *s.motion_degree);
-  if (s.motion_pieces) absl::StrAppend(&text, " motion_pieces=", *s.motion_pieces);
-  if (s.integrator == IntegratorKind::kLine) {
-    absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
-    if (s.resolver == ResolverKind::kPaper) {
-      absl::StrAppend(&text, " time_cells=", s.time_cells);
-    } else if (s.time_samples) {
-      absl::StrAppend(&text, " time_samples=", *s.time_samples);
-    } else {
-      absl::StrAppend(&text, " time_step=", s.time_step);
-      if (s.target_error) absl::StrAppend(&text, " target_error=", *s.target_error);
-    }
-  } else {
-    absl::StrAppend(&text, " spp=", s.spp, " seed=", s.seed);
-    if (s.integrator == IntegratorKind::kReference) {
-      absl::StrAppend(&text, " reference_layout=", ToString(s.reference_layout));
-    }
-  }
-  return text;
-}
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const std::string& path) {

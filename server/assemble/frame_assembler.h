@@ -25,7 +25,4 @@ struct AssembledFrame {
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const std::string& path);
 
-/// What the EXR's header says of how the frame was made: words and numbers of the settings.
-std::string DescribeSettings(const RenderSettings& settings);
-
 }  // namespace shutterline::server

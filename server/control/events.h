@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/job/job_spec.h"
+#include "common/job/render_stats.h"
 #include "server/jobs/job_store.h"
 #include "server/schedule/lease.h"
 
@@ -57,6 +58,7 @@ struct TileReport {
   std::string rgba;     ///< Unless it failed: little-endian floats.
   std::string failure;  ///< Where it failed: why.
   absl::Duration render_time;
+  RenderStats stats;  ///< Zeros where the worker measured nothing.
 };
 
 enum class ReportOutcome { kStored, kDuplicate, kMismatch, kUnwanted, kRefused };
@@ -71,6 +73,7 @@ struct FrameSnapshot {
   int tiles_total = 0, tiles_done = 0;
   Digest digest;      ///< Where finished.
   uint64_t size = 0;  ///< Where finished: bytes.
+  RenderStats stats;  ///< Of the tiles that came since the coordinator's start, or of the finished frame.
 };
 
 struct JobSnapshot {

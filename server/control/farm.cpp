@@ -97,7 +97,7 @@ absl::Status Farm::ResumeJob(const JobRecord& record) {
         continue;
       }
       queue.MarkFrameDone(int(*index));
-      job->FrameFinished(int(*index), frame.digest, frame.size, NextSeq(), NextSeq());
+      job->FrameFinished(int(*index), frame, NextSeq(), NextSeq());
       parts_.journal->DropFrame({record.key, int(*index)});
     }
     for (const TileJournal::FrameKey& frame : parts_.journal->Frames()) {
@@ -106,7 +106,8 @@ absl::Status Farm::ResumeJob(const JobRecord& record) {
         if (!queue.Contains(frame.second, tile)) {
           parts_.journal->Forget({frame.first, frame.second, tile});
         } else if (queue.MarkDone(frame.second, tile)) {
-          job->TileDone(frame.second, NextSeq(), NextSeq());
+          // What it took went with the last coordinator: the journal holds pixels alone.
+          job->TileDone(frame.second, {}, NextSeq(), NextSeq());
         }
       }
       if (queue.DoneInFrame(frame.second) == grid.Count()) complete.push_back(frame.second);
@@ -189,18 +190,23 @@ void Farm::WriteFrameSoon(const JobPtr& job, int index) {
 }
 
 void Farm::WriteFrame(const JobPtr& job, int index) {
+  const int number = job->spec()->frames.Frame(index);
+  FinishedFrame finished;
+  finished.frame = number;
   {
     absl::MutexLock lock(&mutex_);
     if (job->ending) return;
+    finished.stats = job->Frame(index).stats;  // All its tiles have come.
   }
-  const int number = job->spec()->frames.Frame(index);
   const std::string path = FramePath(*job, index);
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/'))));
     SL_ASSIGN_OR_RETURN(AssembledFrame frame,
                         AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), path));
     if (frame.lost_tiles.empty()) {
-      SL_RETURN_IF_ERROR(parts_.store->AddFinishedFrame(job->key(), {number, frame.digest, frame.size}));
+      finished.digest = frame.digest;
+      finished.size = frame.size;
+      SL_RETURN_IF_ERROR(parts_.store->AddFinishedFrame(job->key(), finished));
     }
     return frame;
   };
@@ -224,7 +230,7 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
       }
       return;
     }
-    job->FrameFinished(index, frame->digest, frame->size, NextSeq(), NextSeq());
+    job->FrameFinished(index, finished, NextSeq(), NextSeq());
     all_finished = job->AllFinished();
     spdlog::info("frame finished job={} frame={} bytes={}", job->id(), number, frame->size);
   }

@@ -40,7 +40,7 @@ absl::StatusOr<Farm::JobPtr> Farm::Load(const JobRecord& record) {
   auto job = std::make_shared<LiveJob>(record, NextSeq());
   for (const FinishedFrame& frame : finished) {
     if (const std::optional<int64_t> index = record.spec.frames.IndexOf(frame.frame)) {
-      job->FrameFinished(int(*index), frame.digest, frame.size, NextSeq(), NextSeq());
+      job->FrameFinished(int(*index), frame, NextSeq(), NextSeq());
     }
   }
   job->ending = true;

@@ -77,7 +77,7 @@ void Farm::Apply(const std::vector<Result>& results) {
         continue;
       }
       if (worker != nullptr) ++worker->tiles_done;
-      job->TileDone(at.frame, NextSeq(), NextSeq());
+      job->TileDone(at.frame, result.report->stats, NextSeq(), NextSeq());
       if (scheduler_.Find(at.job)->DoneInFrame(at.frame) == job->grid().Count())
         WriteFrameSoon(job, at.frame);
     }

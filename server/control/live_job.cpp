@@ -33,11 +33,13 @@ FrameSnapshot LiveJob::Frame(int index) const {
   snapshot.tiles_done = frame.tiles_done;
   snapshot.digest = frame.digest;
   snapshot.size = frame.size;
+  snapshot.stats = frame.stats;
   return snapshot;
 }
 
-void LiveJob::TileDone(int index, uint64_t seq, uint64_t frame_seq) {
+void LiveJob::TileDone(int index, const RenderStats& stats, uint64_t seq, uint64_t frame_seq) {
   ++frames_[size_t(index)].tiles_done;
+  frames_[size_t(index)].stats += stats;
   ++snapshot_.tiles_done;
   if (snapshot_.state == JobState::kQueued) snapshot_.state = JobState::kRunning;
   Changed(frames_[size_t(index)].seq, frame_seq, index);
@@ -51,14 +53,14 @@ void LiveJob::TilesLost(int index, int count, uint64_t seq, uint64_t frame_seq) 
   Changed(seq_, seq, kJobItself);
 }
 
-void LiveJob::FrameFinished(int index, const Digest& digest, uint64_t size, uint64_t seq,
-                            uint64_t frame_seq) {
+void LiveJob::FrameFinished(int index, const FinishedFrame& finished, uint64_t seq, uint64_t frame_seq) {
   FrameProgress& frame = frames_[size_t(index)];
   snapshot_.tiles_done += grid().Count() - frame.tiles_done;
   frame.tiles_done = grid().Count();
   frame.finished = true;
-  frame.digest = digest;
-  frame.size = size;
+  frame.digest = finished.digest;
+  frame.size = finished.size;
+  frame.stats = finished.stats;
   ++snapshot_.frames_finished;
   if (snapshot_.state == JobState::kQueued) snapshot_.state = JobState::kRunning;
   Changed(frame.seq, frame_seq, index);

@@ -32,9 +32,12 @@ class LiveJob {
   bool AllFinished() const { return snapshot_.frames_finished == snapshot_.frames_total; }
 
   /// Each is a change with its number; numbers grow.
-  void TileDone(int index, uint64_t seq, uint64_t frame_seq);
+  /// `stats`: what the tile took; zeros where that is not known.
+  void TileDone(int index, const RenderStats& stats, uint64_t seq, uint64_t frame_seq);
+  /// What the tiles took stays counted: it was spent.
   void TilesLost(int index, int count, uint64_t seq, uint64_t frame_seq);
-  void FrameFinished(int index, const Digest& digest, uint64_t size, uint64_t seq, uint64_t frame_seq);
+  /// `frame` is what the store has of it, statistics included.
+  void FrameFinished(int index, const FinishedFrame& frame, uint64_t seq, uint64_t frame_seq);
   void CountMismatch(uint64_t seq);
   void End(JobState state, const std::string& error, absl::Time now, uint64_t seq);
 
@@ -52,6 +55,7 @@ class LiveJob {
     uint64_t seq = 0;  ///< Of its last change; 0: none.
     Digest digest;
     uint64_t size = 0;
+    RenderStats stats;
   };
   static constexpr int kJobItself = -1;
 

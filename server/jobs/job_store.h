@@ -10,6 +10,7 @@
 
 #include "common/asset/digest.h"
 #include "common/job/job_spec.h"
+#include "common/job/render_stats.h"
 
 namespace shutterline::server {
 
@@ -37,6 +38,7 @@ struct FinishedFrame {
   int frame = 0;  ///< The frame's number.
   Digest digest;
   uint64_t size = 0;  ///< Bytes.
+  RenderStats stats;  ///< What its tiles took; zeros where that is not known.
 };
 
 /// Durable state of jobs. Whatever a call has acknowledged survives a crash of the process and of the

@@ -32,6 +32,9 @@ inline constexpr const char* kMigrations[] = {
         PRIMARY KEY (job_key, frame)
       ) STRICT, WITHOUT ROWID;
     )sql",
+    R"sql(
+      ALTER TABLE finished_frames ADD COLUMN stats BLOB;  -- A serialized shutterline.v1.RenderStats, or NULL.
+    )sql",
 };
 
 }  // namespace shutterline::server

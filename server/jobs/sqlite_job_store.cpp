@@ -10,6 +10,7 @@
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
+#include "proto/convert/render_stats.h"
 #include "server/jobs/schema.h"
 #include "server/jobs/sqlite.h"
 
@@ -46,6 +47,13 @@ absl::StatusOr<JobRecord> ReadJob(SqliteStatement& row) {
   job.submitted = absl::FromUnixMicros(row.ColumnInt(6));
   if (!row.ColumnIsNull(7)) job.ended = absl::FromUnixMicros(row.ColumnInt(7));
   return job;
+}
+
+/// A frame is worth more than what is known of its making: statistics that cannot be read are left out.
+RenderStats ReadStats(const std::string& bytes) {
+  v1::RenderStats message;
+  if (!message.ParseFromString(bytes)) return {};
+  return convert::FromProto(message, "stats").value_or(RenderStats());
 }
 
 absl::StatusOr<std::vector<JobRecord>> ReadJobs(SqliteStatement& rows) {
@@ -192,11 +200,12 @@ absl::Status SqliteJobStore::End(uint64_t key, JobState state, const std::string
 
 absl::Status SqliteJobStore::AddFinishedFrame(uint64_t key, const FinishedFrame& frame) {
   absl::MutexLock lock(&mutex_);
-  SqliteStatement statement(database_, "INSERT OR REPLACE INTO finished_frames VALUES (?, ?, ?, ?)");
+  SqliteStatement statement(database_, "INSERT OR REPLACE INTO finished_frames VALUES (?, ?, ?, ?, ?)");
   return statement.Int(int64_t(key))
       .Int(frame.frame)
       .Blob({reinterpret_cast<const char*>(frame.digest.bytes.data()), frame.digest.bytes.size()})
       .Int(int64_t(frame.size))
+      .Blob(convert::ToProto(frame.stats).SerializeAsString())
       .Run();
 }
 
@@ -209,7 +218,8 @@ absl::Status SqliteJobStore::RemoveFinishedFrame(uint64_t key, int frame) {
 absl::StatusOr<std::vector<FinishedFrame>> SqliteJobStore::FinishedFrames(uint64_t key) {
   absl::MutexLock lock(&mutex_);
   SqliteStatement statement(
-      database_, "SELECT frame, digest, size_bytes FROM finished_frames WHERE job_key = ? ORDER BY frame");
+      database_,
+      "SELECT frame, digest, size_bytes, stats FROM finished_frames WHERE job_key = ? ORDER BY frame");
   statement.Int(int64_t(key));
   std::vector<FinishedFrame> frames;
   while (statement.Step()) {
@@ -221,6 +231,7 @@ absl::StatusOr<std::vector<FinishedFrame>> SqliteJobStore::FinishedFrames(uint64
     }
     std::copy(digest.begin(), digest.end(), reinterpret_cast<char*>(frame.digest.bytes.data()));
     frame.size = uint64_t(statement.ColumnInt(2));
+    if (!statement.ColumnIsNull(3)) frame.stats = ReadStats(statement.ColumnBytes(3));
     frames.push_back(frame);
   }
   SL_RETURN_IF_ERROR(statement.status());

@@ -286,6 +286,7 @@ TEST(Program, FarmCommandsAskForAServer) {
   EXPECT_EQ(RunProgram(Split("status not-a-job --server a:1")).code, 2);
   EXPECT_EQ(RunProgram(Split("submit a.glb --server a:1 -o a.exr")).code, 2) << "-o without --wait";
   EXPECT_EQ(RunProgram(Split("submit a.glb --server a:1 --png")).code, 2) << "--png without --wait";
+  EXPECT_EQ(RunProgram(Split("submit a.glb --server a:1 --stats")).code, 2) << "--stats without --wait";
 }
 
 }  // namespace

@@ -101,8 +101,8 @@ TEST(Delivery, ExitCodesTellWholeFromPartFromNothing) {
            {v1::JOB_STATE_CANCELLED, 1, ExitCode::kPartial},
            {v1::JOB_STATE_FAILED, 0, ExitCode::kFailed},
            {v1::JOB_STATE_CANCELLED, 0, ExitCode::kFailed}}) {
-    const Delivery delivery{JobEventOf(1, state, finished, 2).job(), {}};
-    EXPECT_EQ(Report(console, delivery, {}, false, false), code);
+    const Delivery delivery{JobEventOf(1, state, finished, 2).job(), {}, {}};
+    EXPECT_EQ(*Report(console, delivery, {}, {}), code);
     EXPECT_EQ(err.str().empty(), code == ExitCode::kSuccess) << err.str();
     err.str("");
   }

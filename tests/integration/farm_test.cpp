@@ -154,6 +154,35 @@ TEST_F(FarmTest, AnUnchangedSceneUploadsNothing) {
   }
 }
 
+TEST_F(FarmTest, StatisticsComeWithTheFramesAndAgainWithTheStatus) {
+  farm_.StartServer();
+  farm_.StartWorker("one", 2);
+  std::vector<std::string> arguments = Arguments(farm_.Scene("debris"), kPicture);
+  arguments.insert(arguments.begin(), "submit");
+  arguments.insert(arguments.end(), {"--wait", "-o", (farm_.folder() / "debris.exr").string(), "--stats",
+                                     "--json", "--server", farm_.Address()});
+  const Farm::Ended submit = farm_.Client(arguments);
+  ASSERT_EQ(submit.status, 0) << submit.errors;
+  const auto json = nlohmann::json::parse(submit.output, nullptr, /*allow_exceptions=*/false);
+  ASSERT_TRUE(json.is_object()) << submit.output;
+  const auto& total = json["stats"]["total"];
+  EXPECT_EQ(total["tiles"], 63);
+  EXPECT_EQ(total["tiles_total"], 63);
+  EXPECT_GE(total["instants_per_line"], 1);
+  EXPECT_GT(total["spans"], 0);
+  EXPECT_GT(total["thread_seconds"], 0);
+
+  const std::vector<std::string> status = {"status", json["job"]["id"], "--stats", "--server",
+                                           farm_.Address()};
+  const Farm::Ended text = farm_.Client(status);
+  EXPECT_EQ(text.status, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("pattern=rgls resolver=slice time_step=2"));
+  EXPECT_THAT(text.output, HasSubstr("\n      3         63"));
+  const Farm::Ended again =
+      farm_.Client(Arguments(status[0], {status[1], "--stats", "--json", status[3], status[4]}));
+  EXPECT_EQ(nlohmann::json::parse(again.output, nullptr, false)["stats"], json["stats"]) << again.errors;
+}
+
 TEST_F(FarmTest, ABrokenSceneIsRefusedAndTheCoordinatorLives) {
   farm_.StartServer();
   const std::string broken = (farm_.folder() / "broken.gltf").string();

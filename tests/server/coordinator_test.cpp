@@ -5,7 +5,9 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <thread>
 
 #include "common/base/build_id.h"
@@ -109,6 +111,62 @@ TEST_F(CoordinatorTest, RestartKeepsAcknowledgedTilesAndFinishesTheJob) {
   EXPECT_EQ(Get(job.id()).state(), v1::JOB_STATE_SUCCEEDED);
   EXPECT_EQ(WaitForEnd(job.id()).frames_finished(), 2u);
   ExpectSyntheticFrame(job.id(), 6, 128, 64);
+}
+
+/// How a job's frames stood at last.
+std::map<int, v1::FrameStatus> LastOf(const std::vector<v1::JobEvent>& events) {
+  std::map<int, v1::FrameStatus> frames;
+  for (const v1::JobEvent& event : events) {
+    if (event.has_frame()) frames[event.frame().frame()] = event.frame();
+  }
+  return frames;
+}
+
+TEST_F(CoordinatorTest, WhatTilesTookIsSummedOncePerTileAndSurvivesARestart) {
+  const v1::Job job = SubmitOrDie(TriangleJob(1, 2, 64, 64));  // 4 tiles a frame.
+  {
+    FakeWorker worker(channel_);
+    worker.Credit(1);
+    const v1::Grant grant = worker.NextGrant();
+    worker.Render(grant);
+    const v1::ResultAck again = worker.Render(grant);
+    for (const int outcome : again.outcomes()) EXPECT_EQ(outcome, v1::ResultAck::OUTCOME_DUPLICATE);
+    worker.RenderUntilForgotten();
+  }
+  for (const bool restarted : {false, true}) {
+    if (restarted) {
+      StopCoordinator();
+      StartCoordinator();
+    }
+    std::vector<v1::JobEvent> events;
+    WaitForEnd(job.id(), &events);
+    const std::map<int, v1::FrameStatus> frames = LastOf(events);
+    ASSERT_EQ(frames.size(), 2u);
+    for (const auto& [number, frame] : frames) {
+      EXPECT_EQ(frame.stats().tiles(), 4) << number;
+      EXPECT_EQ(frame.stats().lines(), 4 * 100 + 0 + 1 + 2 + 3) << number;
+      EXPECT_EQ(frame.stats().shade_seconds(), 1.0) << number;
+    }
+  }
+}
+
+TEST_F(CoordinatorTest, OfAnUnfinishedFrameARestartForgetsWhatItsTilesTook) {
+  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 256, 64));  // 16 tiles.
+  int before = 0;
+  {
+    FakeWorker worker(channel_);
+    worker.Credit(1);
+    before = worker.Render(worker.NextGrant()).outcomes_size();
+    ASSERT_LT(before, 16);
+  }
+  StopCoordinator();
+  StartCoordinator();
+  FakeWorker worker(channel_);
+  worker.RenderUntilForgotten();
+  std::vector<v1::JobEvent> events;
+  WaitForEnd(job.id(), &events);
+  EXPECT_EQ(LastOf(events)[0].tiles_done(), 16u);
+  EXPECT_EQ(LastOf(events)[0].stats().tiles(), 16 - before);
 }
 
 TEST_F(CoordinatorTest, DeadWorkersTilesGoToAnother) {
@@ -293,6 +351,27 @@ TEST_F(CoordinatorTest, StaleEpochAndUnknownSessionAreAborted) {
     EXPECT_FALSE(results->Read(&ack));
     EXPECT_EQ(results->Finish().error_code(), grpc::StatusCode::ABORTED);
   }
+}
+
+TEST_F(CoordinatorTest, ImpossibleStatisticsAreRefusedByNameAndCountForNothing) {
+  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 32, 32));
+  FakeWorker worker(channel_);
+  worker.Credit(1);
+  v1::ResultBatch batch;
+  batch.set_epoch(worker.welcome().epoch());
+  batch.set_session_id(worker.welcome().session_id());
+  *batch.add_tiles() = worker.Result(worker.NextGrant(), 0);
+  batch.mutable_tiles(0)->mutable_stats()->set_resolve_seconds(std::nan(""));
+  const auto stub = v1::Workers::NewStub(channel_);
+  grpc::ClientContext context;
+  const auto results = stub->PushResults(&context);
+  results->Write(batch);
+  v1::ResultAck ack;
+  EXPECT_FALSE(results->Read(&ack));
+  const grpc::Status status = results->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("tile 0 of frame 0: stats.resolve_seconds: is nan"));
+  EXPECT_EQ(Get(job.id()).tiles_done(), 0u);
 }
 
 TEST_F(CoordinatorTest, SecondStreamTakesTheSessionOver) {

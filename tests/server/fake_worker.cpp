@@ -129,6 +129,9 @@ v1::TileResult FakeWorker::Result(const v1::Grant& grant, uint32_t tile) const {
   result.set_lease_id(grant.lease_id());
   result.set_rgba(SyntheticTile(job.render().width(), job.render().height(), grant.frame(), tile));
   result.mutable_render_time()->set_nanos(1'000'000);
+  result.mutable_stats()->set_tiles(1);
+  result.mutable_stats()->set_lines(100 + tile);
+  result.mutable_stats()->set_shade_seconds(0.25);
   return result;
 }
 

@@ -47,7 +47,7 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
   result.task = task;
   const absl::Duration start = clock_.Monotonic();
   try {
-    result.status = RenderPixels(task, result.rgba);
+    result.status = RenderPixels(task, result);
   } catch (const std::exception& e) {
     result.status = absl::InternalError(absl::StrCat("exception: ", e.what()));
   } catch (...) {
@@ -63,7 +63,7 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
   return result;
 }
 
-absl::Status RenderLoop::RenderPixels(const TileTask& task, std::string& rgba) const {
+absl::Status RenderLoop::RenderPixels(const TileTask& task, TileResult& result) const {
   const WorkerJob& job = *task.job;
   SL_RETURN_IF_ERROR(job.status);
   const TileGrid grid{job.settings.width, job.settings.height};
@@ -76,10 +76,9 @@ absl::Status RenderLoop::RenderPixels(const TileTask& task, std::string& rgba) c
       frames_.Get(job.scene_key, task.frame, job.settings, [&] { return open_scene_(job.scene); }));
   const TileRect rect = grid.Rect(int(task.tile));
   std::vector<float> pixels(size_t(rect.Area()) * 4);
-  engine::RenderStats stats;
-  SL_RETURN_IF_ERROR(frame->Render(rect, pixels, stats));
-  rgba.resize(pixels.size() * sizeof(float));
-  std::memcpy(rgba.data(), pixels.data(), rgba.size());
+  SL_RETURN_IF_ERROR(frame->Render(rect, pixels, result.stats));
+  result.rgba.resize(pixels.size() * sizeof(float));
+  std::memcpy(result.rgba.data(), pixels.data(), result.rgba.size());
   return absl::OkStatus();
 }
 

@@ -34,7 +34,7 @@ class RenderLoop {
  private:
   void Run();
   TileResult RenderTile(const TileTask& task);
-  absl::Status RenderPixels(const TileTask& task, std::string& rgba) const;
+  absl::Status RenderPixels(const TileTask& task, TileResult& result) const;
 
   LeaseBoard& board_;
   ResultBuffer& results_;

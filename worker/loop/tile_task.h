@@ -11,6 +11,7 @@
 #include "common/asset/digest.h"
 #include "common/job/job_spec.h"
 #include "common/job/render_settings.h"
+#include "common/job/render_stats.h"
 
 namespace shutterline::worker {
 
@@ -40,9 +41,13 @@ struct TileResult {
   absl::Status status;
   std::string rgba;  ///< Little-endian 32-bit floats, 16 bytes a pixel, rows from the top; empty on failure.
   absl::Duration render_time;
+  RenderStats stats;  ///< Of this tile.
 
   /// Roughly what it takes of memory, and a little more than what it takes in a message.
-  size_t Bytes() const { return rgba.size() + status.message().size() + task.job->id.size() + 64; }
+  size_t Bytes() const {
+    // A number of the statistics takes at most 12 bytes of a message.
+    return rgba.size() + status.message().size() + task.job->id.size() + 2 * sizeof(RenderStats) + 64;
+  }
 };
 
 }  // namespace shutterline::worker

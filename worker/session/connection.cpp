@@ -11,6 +11,7 @@
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
+#include "proto/convert/render_stats.h"
 #include "proto/convert/status.h"
 
 namespace shutterline::worker {
@@ -250,6 +251,7 @@ v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const 
     tile.set_lease_id(result->task.session == board_session_ ? result->task.lease_id : 0);
     if (result->status.ok()) {
       tile.set_rgba(result->rgba);
+      *tile.mutable_stats() = convert::ToProto(result->stats);
     } else {
       tile.mutable_failure()->set_code(int32_t(result->status.code()));
       tile.mutable_failure()->set_message(std::string(result->status.message()));

@@ -1,9 +1,11 @@
 #include "server/jobs/sqlite_job_store.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <fstream>
 
+#include "server/jobs/schema.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shutterline::server {
@@ -67,7 +69,10 @@ TEST_F(SqliteJobStoreTest, SameRequestIsTheSameJob) {
 TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
   const JobRecord a = store_->Create("a", Spec(1), now_)->job;
   const JobRecord b = store_->Create("b", Spec(1), now_)->job;
-  ASSERT_TRUE(store_->AddFinishedFrame(a.key, {1, Sha256("exr"), 77}).ok());
+  RenderStats stats;
+  stats.tiles = 12;
+  stats.cull_seconds = 0.5;
+  ASSERT_TRUE(store_->AddFinishedFrame(a.key, {1, Sha256("exr"), 77, stats}).ok());
   ASSERT_TRUE(store_->End(a.key, JobState::kFailed, "why", now_).ok());
   ASSERT_TRUE(store_->End(a.key, JobState::kSucceeded, "", now_).ok());
   Reopen();
@@ -77,11 +82,32 @@ TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
   const std::vector<FinishedFrame> frames = store_->FinishedFrames(a.key).value();
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_EQ(frames[0].digest, Sha256("exr"));
+  EXPECT_EQ(frames[0].stats, stats);
   const std::vector<JobRecord> unfinished = store_->Unfinished().value();
   ASSERT_EQ(unfinished.size(), 1u);
   EXPECT_EQ(unfinished[0].id, b.id);
   ASSERT_TRUE(store_->RemoveFinishedFrame(a.key, 1).ok());
   EXPECT_TRUE(store_->FinishedFrames(a.key)->empty());
+}
+
+TEST_F(SqliteJobStoreTest, AStoreOfTheFirstVersionIsBroughtUpToDateAndKeepsItsFrames) {
+  const std::string path = folder_.path() + "/first.sqlite";
+  sqlite3* first = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &first), SQLITE_OK);
+  const std::string script = std::string(kMigrations[0]) +
+                             "PRAGMA user_version = 1;"
+                             "INSERT INTO jobs VALUES (1, 'id', 'request', x'', 1, '', 0, NULL);"
+                             "INSERT INTO finished_frames VALUES (1, 7, zeroblob(32), 99);";
+  ASSERT_EQ(sqlite3_exec(first, script.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+      << sqlite3_errmsg(first);
+  sqlite3_close(first);
+  const auto store = SqliteJobStore::Open(path);
+  ASSERT_TRUE(store.ok()) << store.status();
+  const std::vector<FinishedFrame> frames = (*store)->FinishedFrames(1).value();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].frame, 7);
+  EXPECT_EQ(frames[0].size, 99u);
+  EXPECT_EQ(frames[0].stats, RenderStats());
 }
 
 TEST_F(SqliteJobStoreTest, FolderOfOneStoreIsClosedToAnother) {

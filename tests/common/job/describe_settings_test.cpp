@@ -1,9 +1,9 @@
+#include "common/job/describe_settings.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/assemble/frame_assembler.h"
-
-namespace shutterline::server {
+namespace shutterline {
 namespace {
 
 using testing::HasSubstr;
@@ -32,4 +32,4 @@ TEST(DescribeSettings, NamesWhatPlacesTheInstantsAndNothingThatIsNotUsed) {
 }
 
 }  // namespace
-}  // namespace shutterline::server
+}  // namespace shutterline
