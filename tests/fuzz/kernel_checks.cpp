@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "tests/fuzz/hostile_segments.h"
@@ -253,7 +254,7 @@ std::string BrokenPlacedSegments(uint64_t seed) {
   HostileValues values(seed);
   const size_t corners = size_t(values.Int(3, 30));
   PlacedVertices vertices;
-  vertices.Resize(Padded(corners));
+  vertices.Grow(Padded(corners));
   for (size_t i = 0; i < corners; ++i) {
     // Positions of the first few lanes, so that some are met.
     vertices.row[i] = values.Chance(0.02) ? std::nan("") : values.Position(kLanes);
@@ -265,23 +266,27 @@ std::string BrokenPlacedSegments(uint64_t seed) {
   const int count = values.Int(1, 40);
   triangles.Reserve(size_t(count));
   for (int i = 0; i < count; ++i) {
-    GroupTriangle triangle{.index = uint32_t(i), .t_in = 0, .t_out = 1, .facing = double(values.Int(-1, 1))};
+    GroupTriangle triangle{.index = uint32_t(i), .t_in = 0, .t_out = 1, .one_sided = double(values.Int(0, 1))};
     for (int32_t& v : triangle.vertices) v = int32_t(values.Index(corners));
     triangles.Add(triangle);
   }
   triangles.Pad();
 
-  LineGroup group;
-  group.lanes = values.Int(1, kLanes);
+  // Some group of a class; vertices lie about its first rows.
   const int32_t pixels = values.Int(1, kMaxLinePixels);
+  LineGroup group;
+  group.first_row = values.Chance(0.7) ? 0 : kLanes;
+  group.lanes = values.Int(1, kLanes);
+  LineClass lines;
+  lines.axes.major_is_x = values.Chance(0.5);
+  lines.length = pixels;
+  lines.lines.resize(size_t(group.first_row + group.lanes + values.Int(0, kLanes)));
   for (int lane = 0; lane < group.lanes; ++lane) {
     group.begin[size_t(lane)] = values.Chance(0.5) ? 0 : values.Int(0, pixels - 1) * kSubpixelsPerPixel;
     group.end[size_t(lane)] = pixels * kSubpixelsPerPixel;
   }
-  PlacedTriangles placed;
-  placed.Resize(Padded(triangles.count));
-  PlaceTriangles(triangles, 0, triangles.count, vertices, 0.5, group.lanes, pixels * kSubpixelsPerPixel,
-                 placed);
+  const auto placed = std::make_unique<PlacedTriangles>();
+  PlaceTriangles(triangles, 0, triangles.count, vertices, 0.5, lines, *placed);
 
   SegmentLists lists;
   lists.stretch_end = kLength;
@@ -290,7 +295,7 @@ std::string BrokenPlacedSegments(uint64_t seed) {
   hidden.fill(-1);
   Stretches stretches{.lists = {&lists, 1}, .shift = 30, .hidden_below = {&hidden, 1}};
   int64_t made = 0;
-  if (MakeSegments(triangles, placed, 0, group, stretches, made) != placed.met.size())
+  if (MakeSegments(*placed, 0, group, stretches, made) != placed->met_count)
     return "segments: stopped";
   for (int lane = 0; lane < kLanes; ++lane) {
     for (int32_t r = 0; r < lists.count[size_t(lane)]; ++r) {
