@@ -266,7 +266,8 @@ std::string BrokenPlacedSegments(uint64_t seed) {
   const int count = values.Int(1, 40);
   triangles.Reserve(size_t(count));
   for (int i = 0; i < count; ++i) {
-    GroupTriangle triangle{.index = uint32_t(i), .t_in = 0, .t_out = 1, .one_sided = double(values.Int(0, 1))};
+    GroupTriangle triangle{
+        .index = uint32_t(i), .t_in = 0, .t_out = 1, .one_sided = double(values.Int(0, 1))};
     for (int32_t& v : triangle.vertices) v = int32_t(values.Index(corners));
     triangles.Add(triangle);
   }
@@ -292,11 +293,11 @@ std::string BrokenPlacedSegments(uint64_t seed) {
   lists.stretch_end = kLength;
   lists.compact_at = 1 << 20;
   HiddenBelow hidden;
-  hidden.fill(-1);
+  hidden.lanes.fill(-1);
+  hidden.UpdateAll();
   Stretches stretches{.lists = {&lists, 1}, .shift = 30, .hidden_below = {&hidden, 1}};
   int64_t made = 0;
-  if (MakeSegments(*placed, 0, group, stretches, made) != placed->met_count)
-    return "segments: stopped";
+  if (MakeSegments(*placed, 0, group, stretches, made) != placed->met_count) return "segments: stopped";
   for (int lane = 0; lane < kLanes; ++lane) {
     for (int32_t r = 0; r < lists.count[size_t(lane)]; ++r) {
       const size_t at = size_t(r) * kLanes + size_t(lane);

@@ -6,8 +6,13 @@
 namespace shutterline::engine {
 namespace {
 
-/// Segments that a stretch should hold on each lane: marching costs their number times that of the pieces.
-constexpr double kSegmentsPerStretch = 12;
+/// Segments, hidden ones included, that a stretch should get on each lane: marching costs their number times
+/// that of the pieces.
+constexpr double kSegmentsPerStretch = 24;
+/// Where a stretch gets more than so many, most are hidden, and dropping these early saves making others.
+constexpr double kManySegments = 48;
+constexpr int32_t kFirstBatch = 16;
+constexpr int32_t kFirstBatchOfMany = 8;
 
 }  // namespace
 
@@ -17,9 +22,9 @@ void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::spa
   stats.instants += int64_t(instants.size()) * lines.rows();
   group_count_ = lines.groups.size();
   if (groups_.size() < group_count_) groups_.resize(group_count_);
-  const int stretches = ChooseStretches(strata, lines);
+  const GroupResolver::Plan plan = MakePlan(strata, lines);
   for (size_t g = 0; g < group_count_; ++g) {
-    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], stretches, colors, stats);
+    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], plan, colors, stats);
   }
 
   still_.Begin(strata.still(), lines, 0.5);
@@ -34,7 +39,7 @@ void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::spa
   for (size_t g = 0; g < group_count_; ++g) groups_[g].End(still_, weights);
 }
 
-int ClassResolver::ChooseStretches(const TileStrata& strata, const LineClass& lines) const {
+GroupResolver::Plan ClassResolver::MakePlan(const TileStrata& strata, const LineClass& lines) {
   const double per_line = strata.SegmentsPerLine(size_t(lines.family));
   const int length_log2 = std::bit_width(uint32_t(lines.length - 1));
   int log2 = 0;
@@ -42,7 +47,8 @@ int ClassResolver::ChooseStretches(const TileStrata& strata, const LineClass& li
          per_line / double(1 << log2) > kSegmentsPerStretch) {
     ++log2;
   }
-  return 1 << log2;
+  const bool are_many = per_line / double(1 << log2) > kManySegments;
+  return {.stretches = 1 << log2, .first_batch = are_many ? kFirstBatchOfMany : kFirstBatch};
 }
 
 void ClassResolver::PlaceAll(InstantPlacer& placer) {

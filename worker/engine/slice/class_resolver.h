@@ -19,7 +19,7 @@ class ClassResolver {
                TileColors& colors, PairWeights& weights, RenderStats& stats);
 
  private:
-  int ChooseStretches(const TileStrata& strata, const LineClass& lines) const;
+  static GroupResolver::Plan MakePlan(const TileStrata& strata, const LineClass& lines);
   void ResolveInstant(Stratum& stratum, const LineClass& lines, double t);
   /// Hands out what the placer has left to place, nearest first, until nothing more of it can be seen.
   void PlaceAll(InstantPlacer& placer);

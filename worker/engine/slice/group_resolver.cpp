@@ -18,8 +18,8 @@ constexpr auto kOnce = [] {
 
 }  // namespace
 
-void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, int stretches,
-                          TileColors& colors, RenderStats& stats) {
+void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group,
+                          const Plan& plan, TileColors& colors, RenderStats& stats) {
   mesh_ = &mesh;
   lines_ = &lines;
   group_ = &group;
@@ -27,9 +27,10 @@ void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const Li
   stats_ = &stats;
   sums_.Begin(mesh, lines, group, colors);
 
-  stretches_ = stretches;
+  stretches_ = plan.stretches;
+  first_batch_ = plan.first_batch;
   const int length_log2 = std::bit_width(uint32_t(lines.length - 1));
-  shift_ = kSubpixelBits + length_log2 - std::countr_zero(uint32_t(stretches));
+  shift_ = kSubpixelBits + length_log2 - std::countr_zero(uint32_t(stretches_));
   for (int k = 0; k < stretches_; ++k) {
     SegmentLists& lists = lists_[size_t(k)];
     lists.stretch_begin = static_lists_[size_t(k)].stretch_begin = k << shift_;
@@ -42,8 +43,9 @@ void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const Li
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const bool is_line =
           std::max(group_->begin[lane], lists.stretch_begin) < std::min(group_->end[lane], lists.stretch_end);
-      hidden[lane] = is_line ? kNothingHidden : kEverythingHidden;
+      hidden.lanes[lane] = is_line ? kNothingHidden : kEverythingHidden;
     }
+    hidden.UpdateAll();
     static_hidden_below_[size_t(k)] = hidden;
     holds_static_[size_t(k)] = false;
     at_rest_[size_t(k)].fill(0);
@@ -76,10 +78,7 @@ void GroupResolver::EndStatic() {
 
 void GroupResolver::UpdateHiddenEverywhere() {
   float hidden = kEverythingHidden;
-  for (int k = 0; k < stretches_; ++k) {
-    const HiddenBelow& below = hidden_below_[size_t(k)];
-    hidden = std::min(hidden, *std::min_element(below.begin(), below.begin() + group_->lanes));
-  }
+  for (int k = 0; k < stretches_; ++k) hidden = std::min(hidden, hidden_below_[size_t(k)].all);
   hidden_everywhere_ = hidden;
 }
 
@@ -87,7 +86,7 @@ void GroupResolver::BeginInstant() {
   for (int k = 0; k < stretches_; ++k) {
     SegmentLists& lists = lists_[size_t(k)];
     if (!holds_static_[size_t(k)]) {
-      lists = static_lists_[size_t(k)];
+      lists.StartFrom(static_lists_[size_t(k)]);
       holds_static_[size_t(k)] = true;
     }
     lists.Truncate(static_lists_[size_t(k)].rows);
@@ -155,7 +154,7 @@ void GroupResolver::Compact(int stretch) {
     }
     // Without a gap, the farthest visible depth hides all that lies behind it.
     if (covered >= to - from) {
-      float& hidden = hidden_below_[size_t(stretch)][size_t(lane)];
+      float& hidden = hidden_below_[size_t(stretch)].lanes[size_t(lane)];
       hidden = std::max(hidden, farthest);
     }
   }
@@ -165,6 +164,7 @@ void GroupResolver::Compact(int stretch) {
   compacted_.touched = lists.touched;
   std::swap(lists, compacted_);
   holds_static_[size_t(stretch)] = false;
+  hidden_below_[size_t(stretch)].UpdateAll();
   UpdateHiddenEverywhere();
 }
 

@@ -19,8 +19,14 @@ namespace shutterline::engine {
 /// memory.
 class GroupResolver {
  public:
-  /// Begins a group of a class of a tile. Lines are cut into `stretches` stretches (a power of two).
-  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, int stretches,
+  /// How a group's lists are kept short.
+  struct Plan {
+    int stretches = 1;        ///< Into which lines are cut: a power of two.
+    int32_t first_batch = 8;  ///< Segments that a list takes before what is hidden among them is dropped.
+  };
+
+  /// Begins a group of a class of a tile.
+  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, const Plan& plan,
              TileColors& colors, RenderStats& stats);
 
   /// The depth below which nothing can be seen anywhere on the lines.
@@ -46,11 +52,9 @@ class GroupResolver {
   static constexpr int kMostStretches = 1 << (kMaxLinePixelsLog2 - kShortestStretchLog2);
 
  private:
-  /// Segments that a list takes before what is hidden among them is dropped.
-  static constexpr int32_t kFirstBatch = 8;
   /// The length at which a list that has just been compacted to `rows` is next. Doubling keeps the work of
   /// all compactions within a constant factor of the last one.
-  static constexpr int32_t CompactAt(int32_t rows) { return std::max(rows + kFirstBatch, 2 * rows); }
+  int32_t CompactAt(int32_t rows) const { return std::max(rows + first_batch_, 2 * rows); }
 
   /// Drops what is hidden in a stretch, and notes what is hidden behind the rest.
   void Compact(int stretch);
@@ -66,6 +70,7 @@ class GroupResolver {
   LineSums sums_;
 
   int stretches_ = 1;
+  int32_t first_batch_ = 0;
   int shift_ = 0;
   std::array<SegmentLists, kMostStretches> lists_;
   std::array<HiddenBelow, kMostStretches> hidden_below_{};

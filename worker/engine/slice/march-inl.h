@@ -138,6 +138,10 @@ class Marcher {
     const size_t at = size_t(r) * kLanes + size_t(base_);
     const auto b = hn::LoadU(di, begin_ + at);
     const auto e = hn::LoadU(di, end_ + at);
+    // Most entries have been passed on all lanes, or begin too far ahead to matter yet: neither before the
+    // current piece ends nor as soon as anything known that begins later.
+    const auto matters = hn::And(hn::Gt(e, x), AtLeast(hn::Max(end, gap.at), b));
+    if (hn::AllFalse(di, matters)) return;
     const auto depth = hn::LoadU(df, depth_ + at);
     const auto slope = hn::LoadU(df, slope_ + at);
     const auto entry = hn::Set(di, r);

@@ -9,8 +9,13 @@
 
 namespace shutterline::engine {
 
-/// For each lane a depth below which nothing can be seen on a stretch.
-using HiddenBelow = std::array<float, kLanes>;
+/// For each lane a depth below which nothing can be seen on a stretch, and the least of them.
+struct HiddenBelow {
+  std::array<float, kLanes> lanes{};
+  float all = 0;
+
+  void UpdateAll() { all = *std::min_element(lanes.begin(), lanes.end()); }
+};
 
 /// For each lane the segments that reach into a stretch of the lines: entry n of lane i is at
 /// [n · kLanes + i]. Lanes that have fewer entries than others are filled up with segments that cover
@@ -36,6 +41,19 @@ struct SegmentLists {
     count.fill(0);
   }
 
+  /// Begins with the rows of another.
+  void StartFrom(const SegmentLists& other) {
+    rows = other.rows;
+    count = other.count;
+    const size_t n = size_t(rows) * kLanes;
+    if (begin.size() < n) Grow(n);
+    std::copy_n(other.begin.data(), n, begin.data());
+    std::copy_n(other.end.data(), n, end.data());
+    std::copy_n(other.depth.data(), n, depth.data());
+    std::copy_n(other.slope.data(), n, slope.data());
+    std::copy_n(other.index.data(), n, index.data());
+  }
+
   /// Forgets what came after the first `kept` rows. What is appended next begins below them on all lanes.
   void Truncate(int32_t kept) {
     rows = kept;
@@ -56,16 +74,16 @@ struct SegmentLists {
   }
 
  private:
+  void Grow(size_t n) {
+    begin.resize(n);
+    end.resize(n);
+    depth.resize(n);
+    slope.resize(n);
+    index.resize(n);
+  }
   void AddRow() {
     const size_t at = size_t(rows++) * kLanes;
-    if (begin.size() < at + kLanes) {
-      const size_t grown = std::max<size_t>(at + kLanes, 2 * begin.size());
-      begin.resize(grown);
-      end.resize(grown);
-      depth.resize(grown);
-      slope.resize(grown);
-      index.resize(grown);
-    }
+    if (begin.size() < at + kLanes) Grow(std::max<size_t>(at + kLanes, 2 * begin.size()));
     std::fill_n(begin.data() + at, kLanes, kNeverBegins);
     std::fill_n(end.data() + at, kLanes, 0);
     std::fill_n(depth.data() + at, kLanes, 0.0f);

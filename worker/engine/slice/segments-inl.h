@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// The lanes whose value is above `bound`.
-HWY_INLINE uint32_t LanesAbove(const HiddenBelow& values, float bound) {
+HWY_INLINE uint32_t LanesAbove(const std::array<float, kLanes>& values, float bound) {
   const hn::CappedTag<float, kLanes> d;
   const auto limit = hn::Set(d, bound);
   uint32_t lanes = 0;
@@ -112,7 +112,8 @@ inline size_t MakeSegmentsKernel(const PlacedTriangles& placed, size_t first, co
     const float triangle_nearest = placed.nearest[j] * kFloatDepthSlack;
     uint32_t open_anywhere = 0;
     for (int k = first_stretch; k <= last_stretch; ++k) {
-      open[k] = lanes & ~LanesAbove(stretches.hidden_below[size_t(k)], triangle_nearest);
+      const HiddenBelow& hidden = stretches.hidden_below[size_t(k)];
+      open[k] = hidden.all > triangle_nearest ? 0 : lanes & ~LanesAbove(hidden.lanes, triangle_nearest);
       open_anywhere |= open[k];
     }
     if (open_anywhere == 0) continue;
