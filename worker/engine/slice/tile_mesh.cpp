@@ -1,9 +1,7 @@
 #include "worker/engine/slice/tile_mesh.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <span>
+#include <bit>
 
 #include "common/math/tolerance.h"
 #include "worker/engine/slice/moving_vertices.h"
@@ -11,35 +9,8 @@
 namespace shutterline::engine {
 namespace {
 
-RasterPoint RelativeTo(const TileRect& rect, const RasterPoint& p) {
-  return {p.x - rect.x * p.w, p.y - rect.y * p.w, p.z, p.w};
-}
-
-/// Signed distances of a point to the planes that bound the tile's frustum, up to positive factors;
-/// negative is outside: left, right, top, bottom, near, far.
-std::array<double, 6> PlaneDistances(const TileRect& rect, double far_depth, const RasterPoint& p) {
-  return {p.x, rect.width * p.w - p.x, p.y, rect.height * p.w - p.y, p.w - p.z, p.z - far_depth * p.w};
-}
-
-/// Extends [in, out] by the times at which a Bezier curve of distances, over [begin, begin + length], may be
-/// at least zero: the curve lies within the hull of its control polygon, and that meets zero first and last
-/// where some line between a point inside and one outside does.
-void ExtendInside(std::span<const double> distances, double begin, double length, double& in, double& out) {
-  const int degree = int(distances.size()) - 1;
-  const auto time = [&](int i) { return begin + length * double(i) / double(degree); };
-  for (int i = 0; i <= degree; ++i) {
-    if (distances[size_t(i)] < 0) continue;
-    in = std::min(in, time(i));
-    out = std::max(out, time(i));
-    for (int k = 0; k <= degree; ++k) {
-      if (distances[size_t(k)] >= 0) continue;
-      const double share = distances[size_t(k)] / (distances[size_t(k)] - distances[size_t(i)]);
-      const double at = time(k) + share * (time(i) - time(k));
-      in = std::min(in, at);
-      out = std::max(out, at);
-    }
-  }
-}
+/// So many elements ahead memory is fetched.
+constexpr size_t kAhead = 8;
 
 /// A texture that moves under a pixel is blurred by shading it at several times; what varies linearly
 /// over a triangle (vertex colours) or slowly (a head light) is exact or good at one mean position.
@@ -51,105 +22,16 @@ uint8_t ShadingBinsLog2(bool textured, double motion_pixels) {
   return uint8_t(log2);
 }
 
+/// The next float above x >= 0.
 float RoundedUp(double x) {
-  return std::nextafter(float(x), std::numeric_limits<float>::infinity());
+  return std::bit_cast<float>(std::bit_cast<uint32_t>(float(x)) + 1);
 }
-float RoundedDown(double x) {
-  return std::nextafter(float(x), -std::numeric_limits<float>::infinity());
+
+RasterPoint RelativeTo(const TileRect& rect, const RasterPoint& p) {
+  return {p.x - rect.x * p.w, p.y - rect.y * p.w, p.z, p.w};
 }
 
 }  // namespace
-
-TileVertex TileMesh::MakeVertex(uint32_t number, uint32_t primitive_number,
-                                const LinePattern& pattern) const {
-  const FramePrimitive& primitive = frame_->primitives[primitive_number];
-  const RasterPoint* points = frame_->ControlPoints(primitive, number);
-  const int count = primitive.PointsPerVertex();
-  const int last = count - 1;
-  TileVertex vertex{.vertex = number, .primitive = primitive_number, .curved = count > 2, .in_front = true};
-  for (int i = 1; i < count; ++i) vertex.moves |= !(points[i] == points[0]);
-  vertex.curved &= vertex.moves;
-  vertex.open = RelativeTo(rect_, points[0]);
-  vertex.close = vertex.moves && !vertex.curved ? RelativeTo(rect_, points[last]) : vertex.open;
-  const int used = vertex.moves ? count : 1;
-
-  // Bounds from the projected control points, of which the path's projection is a convex combination as
-  // long as all are in front.
-  const auto guarded = [](double position, int size) {
-    return std::clamp(position, -kMotionGuardPixels, size + kMotionGuardPixels);
-  };
-  vertex.row_low.fill(std::numeric_limits<double>::infinity());
-  vertex.row_high.fill(-std::numeric_limits<double>::infinity());
-  double rounding = 0;
-  V2d before;
-  double depth_before = 0;
-  for (int i = 0; i < used; ++i) {
-    const RasterPoint p = RelativeTo(rect_, points[i]);
-    if (p.w < p.z || p.w <= 0) {
-      vertex.in_front = false;
-      break;
-    }
-    const V2d at(p.x / p.w, p.y / p.w);
-    const double depth = p.z / p.w;
-    vertex.nearest = std::max(vertex.nearest, depth);
-    for (size_t f = 0; f < pattern.families().size(); ++f) {
-      const LineFamily& family = pattern.families()[f];
-      const double row = (family.major_is_x ? at.y : at.x) - family.slope * (family.major_is_x ? at.x : at.y);
-      vertex.row_low[f] = std::min(vertex.row_low[f], row);
-      vertex.row_high[f] = std::max(vertex.row_high[f], row);
-    }
-    rounding = std::max(rounding, 1e-15 * (std::abs(at.x) + std::abs(at.y)));
-    const V2d cut(guarded(at.x, rect_.width), guarded(at.y, rect_.height));
-    if (i > 0) {
-      vertex.motion_pixels += (cut - before).length();
-      if (depth != depth_before) vertex.motion_pixels = std::max(vertex.motion_pixels, kDepthMotionPixels);
-    }
-    before = cut;
-    depth_before = depth;
-  }
-  if (vertex.in_front) {
-    for (size_t f = 0; f < 2; ++f) {
-      vertex.row_low[f] -= kLineRangeSlack + rounding;
-      vertex.row_high[f] += kLineRangeSlack + rounding;
-    }
-  } else {
-    vertex.row_low.fill(-std::numeric_limits<double>::infinity());
-    vertex.row_high.fill(std::numeric_limits<double>::infinity());
-    vertex.nearest = 1;
-    if (vertex.moves) vertex.motion_pixels = std::max(vertex.motion_pixels, kNearCrossingMotionPixels);
-  }
-
-  // When it is inside each plane.
-  std::array<double, 6> in;
-  std::array<double, 6> out;
-  in.fill(1);
-  out.fill(0);
-  if (!vertex.moves) {
-    const auto distances = PlaneDistances(rect_, far_depth_, vertex.open);
-    for (size_t p = 0; p < 6; ++p) {
-      if (distances[p] >= 0) in[p] = 0, out[p] = 1;
-    }
-  } else {
-    const int degree = primitive.degree;
-    std::array<std::array<double, kMaxMotionDegree + 1>, 6> curve;
-    for (int piece = 0; piece < primitive.pieces; ++piece) {
-      for (int i = 0; i <= degree; ++i) {
-        const auto distances =
-            PlaneDistances(rect_, far_depth_, RelativeTo(rect_, points[piece * degree + i]));
-        for (size_t p = 0; p < 6; ++p) curve[p][size_t(i)] = distances[p];
-      }
-      const double length = 1.0 / primitive.pieces;
-      for (size_t p = 0; p < 6; ++p) {
-        ExtendInside({curve[p].data(), size_t(degree) + 1}, piece * length, length, in[p], out[p]);
-      }
-    }
-  }
-  for (size_t p = 0; p < 6; ++p) {
-    vertex.in[p] = RoundedDown(in[p]);
-    vertex.out[p] = RoundedUp(out[p]);
-  }
-  return vertex;
-}
 
 TileMesh::Power TileMesh::PowerAt(const TileVertex& vertex, double t) const {
   Power power;
@@ -187,55 +69,108 @@ void TileMesh::Build(const TileInput& input, const LinePattern& pattern) {
   frame_ = &input.frame;
   rect_ = input.rect;
   far_depth_ = input.frame.view.FarDepth();
-  vertices_.clear();
-  triangles_.clear();
-  numbering_.Reset(3 * input.candidates.size());
-  for (const uint32_t id : input.candidates) {
-    const FrameTriangle& source = frame_->triangles[id];
-    const PrimitiveTraits& traits = input.traits[source.primitive];
-    TileMeshTriangle triangle{
-        .id = id, .cull_back = traits.cull_back, .needs_position = traits.needs_position};
-    std::array<float, 6> in;
-    std::array<float, 6> out;
-    in.fill(1);
-    out.fill(0);
-    double nearest = 0;
-    double motion = 0;
-    triangle.row_low.fill(std::numeric_limits<double>::infinity());
-    triangle.row_high.fill(-std::numeric_limits<double>::infinity());
-    for (size_t i = 0; i < 3; ++i) {
-      bool is_new = false;
-      const uint32_t number = numbering_.NumberOf(source.vertices[i], is_new);
-      if (is_new) vertices_.push_back(MakeVertex(source.vertices[i], source.primitive, pattern));
-      const TileVertex& vertex = vertices_[number];
-      triangle.vertices[i] = number;
-      triangle.moves |= vertex.moves;
-      nearest = std::max(nearest, vertex.nearest);
-      motion = std::max(motion, vertex.motion_pixels);
-      for (size_t p = 0; p < 6; ++p) {
-        in[p] = std::min(in[p], vertex.in[p]);
-        out[p] = std::max(out[p], vertex.out[p]);
-      }
-      for (size_t f = 0; f < 2; ++f) {
-        triangle.row_low[f] = std::min(triangle.row_low[f], vertex.row_low[f]);
-        triangle.row_high[f] = std::max(triangle.row_high[f], vertex.row_high[f]);
-      }
-    }
-    for (size_t p = 0; p < 6; ++p) {
-      triangle.t_in = std::max(triangle.t_in, double(in[p]));
-      triangle.t_out = std::min(triangle.t_out, double(out[p]));
-    }
-    if (triangle.t_in > triangle.t_out) continue;
-    triangle.nearest = RoundedUp(nearest) * kFloatDepthSlack;
-    triangle.motion_pixels = RoundedUp(motion);
-    if (triangle.moves) triangle.shading_bins_log2 = ShadingBinsLog2(traits.textured, motion);
-    triangles_.push_back(triangle);
+  NumberVertices(input.candidates);
+  MakeVertices(TileVertexMaker(input.frame, input.rect, pattern));
+  unsorted_.clear();
+  places_.clear();
+  for (size_t i = 0; i < input.candidates.size(); ++i) {
+    AddTriangle(input.candidates[i], corners_[i], input.traits[met_[corners_[i][0]].primitive]);
   }
-  std::sort(triangles_.begin(), triangles_.end(), [](const TileMeshTriangle& a, const TileMeshTriangle& b) {
-    return a.nearest != b.nearest ? a.nearest > b.nearest : a.id < b.id;
-  });
+  SortTriangles();
+}
+
+void TileMesh::NumberVertices(std::span<const uint32_t> candidates) {
+  uint32_t count = 0;
+  for (const FramePrimitive& primitive : frame_->primitives) {
+    count = std::max(count, primitive.first_vertex + primitive.vertex_count);
+  }
+  if (numbers_.size() < count) numbers_.resize(count);
+  if (++generation_ == 0) {
+    std::fill(numbers_.begin(), numbers_.end(), 0);
+    generation_ = 1;
+  }
+  met_.clear();
+  corners_.resize(candidates.size());
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (i + 2 * kAhead < candidates.size()) {
+      __builtin_prefetch(&frame_->triangles[candidates[i + 2 * kAhead]]);
+      for (const uint32_t vertex : frame_->triangles[candidates[i + kAhead]].vertices) {
+        __builtin_prefetch(&numbers_[vertex], 1);
+      }
+    }
+    const FrameTriangle& triangle = frame_->triangles[candidates[i]];
+    for (size_t k = 0; k < 3; ++k) {
+      uint64_t& number = numbers_[triangle.vertices[k]];
+      if (number >> 32 != generation_) {
+        number = uint64_t{generation_} << 32 | met_.size();
+        met_.push_back({triangle.vertices[k], triangle.primitive});
+      }
+      corners_[i][k] = uint32_t(number);
+    }
+  }
+}
+
+void TileMesh::MakeVertices(const TileVertexMaker& maker) {
+  vertices_.clear();
+  vertices_.resize(met_.size());
+  for (size_t i = 0; i < met_.size(); ++i) {
+    if (i + kAhead < met_.size()) {
+      const Met& ahead = met_[i + kAhead];
+      const FramePrimitive& primitive = frame_->primitives[ahead.primitive];
+      const RasterPoint* points = frame_->ControlPoints(primitive, ahead.vertex);
+      __builtin_prefetch(points);
+      __builtin_prefetch(points + primitive.PointsPerVertex() - 1);
+    }
+    maker.Make(met_[i].primitive, met_[i].vertex, vertices_[i]);
+  }
+}
+
+void TileMesh::AddTriangle(uint32_t id, const std::array<uint32_t, 3>& numbers,
+                           const PrimitiveTraits& traits) {
+  const TileVertex& a = vertices_[numbers[0]];
+  const TileVertex& b = vertices_[numbers[1]];
+  const TileVertex& c = vertices_[numbers[2]];
+
+  // It is inside while some vertex is inside of each plane.
+  float t_in = 0;
+  float t_out = 1;
+  if (!(a.always_inside || b.always_inside || c.always_inside)) {
+    for (size_t p = 0; p < TileVertex::kPlanes; ++p) {
+      t_in = std::max(t_in, std::min({a.in[p], b.in[p], c.in[p]}));
+      t_out = std::min(t_out, std::max({a.out[p], b.out[p], c.out[p]}));
+    }
+    if (t_in > t_out) return;
+  }
+
+  TileMeshTriangle& triangle = unsorted_.emplace_back();
+  triangle.id = id;
+  triangle.vertices = numbers;
+  triangle.moves = a.moves || b.moves || c.moves;
+  triangle.cull_back = traits.cull_back;
+  triangle.needs_position = traits.needs_position;
+  triangle.nearest = RoundedUp(std::max({a.nearest, b.nearest, c.nearest})) * kFloatDepthSlack;
+  const double motion = std::max({a.motion_pixels, b.motion_pixels, c.motion_pixels});
+  triangle.motion_pixels = RoundedUp(motion);
+  if (triangle.moves) triangle.shading_bins_log2 = ShadingBinsLog2(traits.textured, motion);
+  triangle.t_in = double(t_in);
+  triangle.t_out = double(t_out);
+  for (size_t f = 0; f < 2; ++f) {
+    triangle.row_low[f] = std::min({a.row_low[f], b.row_low[f], c.row_low[f]});
+    triangle.row_high[f] = std::max({a.row_high[f], b.row_high[f], c.row_high[f]});
+  }
+  // Floats that are not negative are ordered as their bits are.
+  const uint32_t farness = ~std::bit_cast<uint32_t>(triangle.nearest);
+  places_.push_back({uint64_t{farness} << 32 | id, uint32_t(unsorted_.size() - 1)});
+}
+
+void TileMesh::SortTriangles() {
+  std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.key < b.key; });
+  triangles_.clear();
   ids_.clear();
-  for (const TileMeshTriangle& triangle : triangles_) ids_.push_back(triangle.id);
+  for (const Place& place : places_) {
+    triangles_.push_back(unsorted_[place.triangle]);
+    ids_.push_back(triangles_.back().id);
+  }
   ids_.resize(Padded(ids_.size()));
 }
 

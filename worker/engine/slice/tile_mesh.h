@@ -2,32 +2,15 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/spaces.h"
 #include "worker/engine/sampling/line_pattern.h"
-#include "worker/engine/slice/vertex_numbering.h"
+#include "worker/engine/slice/tile_vertex.h"
 #include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
-
-/// A vertex as a tile sees it: its motion relative to the tile's corner, so that a frame of 16k pixels is as
-/// exact as a small one, and bounds of it.
-struct TileVertex {
-  uint32_t vertex = 0;     ///< In the frame.
-  uint32_t primitive = 0;  ///< In the frame.
-  bool moves = false;
-  bool curved = false;    ///< More than a straight line in homogeneous coordinates.
-  bool in_front = false;  ///< Of the near plane, all through the shutter.
-  /// Control points of a straight path (equal where it rests); curved ones are fetched piece by piece.
-  RasterPoint open{}, close{};
-  double nearest = 0;        ///< Bound on depth.
-  double motion_pixels = 0;  ///< Length of its path, cut to the tile's surroundings.
-  /// Bounds of minor − slope · major by family, pixels.
-  std::array<double, 2> row_low{}, row_high{};
-  /// When it may be inside each plane of the tile's frustum: from in[p] to out[p].
-  std::array<float, 6> in{}, out{};
-};
 
 struct TileMeshTriangle {
   uint32_t id = 0;  ///< In the frame.
@@ -66,14 +49,36 @@ class TileMesh {
   Power PowerAt(const TileVertex& vertex, double t) const;
 
  private:
-  TileVertex MakeVertex(uint32_t vertex, uint32_t primitive, const LinePattern& pattern) const;
+  /// Where a triangle is sorted to: nearest first, then by id.
+  struct Place {
+    uint64_t key;
+    uint32_t triangle;  ///< In `unsorted_`.
+  };
+
+  /// A vertex that a tile meets.
+  struct Met {
+    uint32_t vertex, primitive;
+  };
+
+  // Step by step, each in one run through memory, so that what the next elements need can be fetched ahead: a
+  // frame's vertices do not fit the caches.
+  void NumberVertices(std::span<const uint32_t> candidates);
+  void MakeVertices(const TileVertexMaker& maker);
+  void AddTriangle(uint32_t id, const std::array<uint32_t, 3>& numbers, const PrimitiveTraits& traits);
+  void SortTriangles();
 
   const FrameScene* frame_ = nullptr;
   TileRect rect_;
   double far_depth_ = 0;
-  VertexNumbering numbering_;
+  /// By vertex of the frame: the generation, which tells whether this tile has met it, times 2^32, and its
+  /// number. A frame's vertices fit, and neighbours lie close by, which makes this cheaper than hashing.
+  std::vector<uint64_t> numbers_;
+  uint32_t generation_ = 0;
+  std::vector<Met> met_;
+  std::vector<std::array<uint32_t, 3>> corners_;  ///< By candidate: vertices in the tile.
   std::vector<TileVertex> vertices_;
-  std::vector<TileMeshTriangle> triangles_;
+  std::vector<TileMeshTriangle> unsorted_, triangles_;
+  std::vector<Place> places_;
   std::vector<uint32_t> ids_;
 };
 
