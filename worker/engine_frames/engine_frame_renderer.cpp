@@ -1,7 +1,10 @@
 #include "worker/engine_frames/engine_frame_renderer.h"
 
 #include <absl/strings/str_cat.h>
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <utility>
@@ -56,11 +59,16 @@ absl::StatusOr<std::shared_ptr<const engine::Scene>> EngineFrameRendererFactory:
 absl::StatusOr<std::shared_ptr<const FrameRenderer>> EngineFrameRendererFactory::MakeFrame(
     std::shared_ptr<const engine::Scene> scene, int frame, const RenderSettings& settings, int threads) {
   using Result = absl::StatusOr<std::shared_ptr<const FrameRenderer>>;
-  return WithoutExceptions("make frame ready", [&]() -> Result {
+  const auto make = [&]() -> Result {
     SL_ASSIGN_OR_RETURN(auto frame_scene, engine::BuildFrameScene(std::move(scene), frame, settings));
     SL_ASSIGN_OR_RETURN(auto integrator,
                         engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads));
     return std::make_shared<const EngineFrameRenderer>(std::move(integrator));
+  };
+  // Tasks of the steps stay on so many threads; more than processors would only make TBB complain.
+  return WithoutExceptions("make frame ready", [&] {
+    tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
+    return arena.execute(make);
   });
 }
 

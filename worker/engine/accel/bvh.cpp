@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <new>
+#include <stdexcept>
 #include <utility>
 
-#include "common/base/status_macros.h"
-#include "worker/engine/accel/embree.h"
+#include "worker/engine/accel/bounds_tree.h"
 #include "worker/engine/accel/facing.h"
 #include "worker/engine/accel/swept_bounds.h"
 #include "worker/engine/accel/triangle_refs.h"
@@ -20,54 +20,19 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr unsigned kBranching = 4;
-constexpr unsigned kMaxLeafRefs = 8;
-/// Far above what a sensible scene needs: only nested triangles of exponentially growing size come near.
-constexpr unsigned kMaxDepth = 512;
-
-/// A node as Embree's builder makes it, in the builder's memory: children, or else references.
-struct BuildNode {
-  unsigned child_count = 0, ref_count = 0;
-  BuildNode* children[kBranching] = {};
-  uint32_t refs[kMaxLeafRefs] = {};
-
-  static void* MakeInner(RTCThreadLocalAllocator allocator, unsigned child_count, void*) {
-    auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
-    node->child_count = child_count;
-    return node;
-  }
-  static void SetChildren(void* node, void** children, unsigned count, void*) {
-    for (unsigned i = 0; i < count; ++i) {
-      static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
-    }
-  }
-  /// Bounds are recomputed when the tree is flattened.
-  static void IgnoreBounds(void*, const RTCBounds**, unsigned, void*) {}
-  static void* MakeLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
-                        void*) {
-    auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
-    node->ref_count = unsigned(count);
-    for (size_t i = 0; i < count; ++i) node->refs[i] = primitives[i].primID;
-    return node;
-  }
-};
-
-/// Nodes in preorder, so that the references below any node are one range of `refs_` and walking the tree
-/// needs no stack: a node's first child follows it, and `skip` is where one goes on without them.
-///
 /// The tree is built in view space, where scenes are split well, but asked in the raster, where a tile and
 /// what a triangle sweeps are rectangles. A triangle is collected if those of one of its references overlap
 /// the tile's: what a node decides for all of its references is what each would decide alone. So the answer
-/// does not depend on the tree, which is not the same for every number of threads.
+/// does not depend on the tree.
 class FlatBvh : public Bvh {
  public:
-  explicit FlatBvh(std::shared_ptr<const FrameScene> frame)
-      : frame_(std::move(frame)), scale_(ViewScale(*frame_)) {}
+  explicit FlatBvh(std::shared_ptr<const FrameScene> frame) : frame_(std::move(frame)) {}
 
-  absl::Status BuildTree(int threads) {
+  /// As often as it can be in parallel, on up to `threads` threads.
+  void BuildTree(int threads) {
     // More threads than processors would only make TBB complain.
     tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
-    return arena.execute([&] { return BuildTreeInArena(); });
+    arena.execute([&] { BuildTreeInArena(); });
   }
 
   void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const override {
@@ -105,64 +70,15 @@ class FlatBvh : public Bvh {
     uint32_t first_ref;  ///< Its references end where those of node `skip` begin.
   };
 
-  absl::Status BuildTreeInArena() {
-    if (frame_->triangles.empty()) return absl::OkStatus();
-
-    // Bound every triangle over the shutter, or over parts of it.
-    const std::vector<TriangleRef> refs = MakeTriangleRefs(*frame_);
-    const size_t count = refs.size();
-    std::vector<RTCBuildPrimitive> primitives(count);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096),
-                      [&](const tbb::blocked_range<size_t>& part) {
-                        for (size_t i = part.begin(); i < part.end(); ++i) {
-                          const ViewBounds b = BoundsOf(*frame_, refs[i], scale_);
-                          primitives[i] = {b.lower[0], b.lower[1], b.lower[2], 0,
-                                           b.upper[0], b.upper[1], b.upper[2], uint32_t(i)};
-                        }
-                      });
-
-    // Let Embree build a tree, by surface area; by Morton order where that would get too deep.
-    SL_ASSIGN_OR_RETURN(const EmbreeDevice device, MakeEmbreeDevice());
-    const EmbreeBvh bvh(rtcNewBVH(device.get()));
-    SL_RETURN_IF_ERROR(EmbreeStatus(device.get(), "build BVH"));
-    RTCBuildArguments arguments = rtcDefaultBuildArguments();
-    arguments.maxBranchingFactor = kBranching;
-    arguments.maxDepth = kMaxDepth;
-    arguments.maxLeafSize = kMaxLeafRefs;
-    arguments.bvh = bvh.get();
-    arguments.primitives = primitives.data();
-    arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
-    arguments.createNode = &BuildNode::MakeInner;
-    arguments.setNodeChildren = &BuildNode::SetChildren;
-    arguments.setNodeBounds = &BuildNode::IgnoreBounds;
-    arguments.createLeaf = &BuildNode::MakeLeaf;
-    absl::Status status;
-    const void* root = nullptr;
-    for (const RTCBuildQuality quality : {RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_LOW}) {
-      arguments.buildQuality = quality;
-      root = rtcBuildBVH(&arguments);
-      if (root != nullptr) break;
-      status = EmbreeStatus(device.get(), "build BVH");
-    }
-    if (root == nullptr) return status.ok() ? absl::InternalError("build BVH: Embree made no tree") : status;
-
-    // Flatten it.
-    refs_.reserve(count);
-    Flatten(*static_cast<const BuildNode*>(root), refs);
-    nodes_.push_back({{}, uint32_t(nodes_.size()), uint32_t(refs_.size())});
-    nodes_.shrink_to_fit();
-    if (refs_.size() != count) return absl::InternalError("build BVH: Embree lost triangles");
+  void BuildTreeInArena() {
+    const BoundedRefs bounded = MakeBoundedRefs(*frame_, ViewScale(*frame_));
+    const BoundsTree tree = BuildBoundsTree(bounded.bounds);
+    if (tree.nodes.empty()) return;
+    nodes_.reserve(tree.nodes.size());
+    for (const BoundsNode& node : tree.nodes) nodes_.push_back({{}, node.skip, node.first_ref});
+    refs_.reserve(tree.order.size());
+    for (const uint32_t number : tree.order) refs_.push_back(bounded.refs[number]);
     BoundInRaster();
-    return absl::OkStatus();
-  }
-
-  /// Appends `built` and all below it. As deep a recursion as the tree.
-  void Flatten(const BuildNode& built, const std::vector<TriangleRef>& refs) {
-    const size_t n = nodes_.size();
-    nodes_.push_back({{}, 0, uint32_t(refs_.size())});
-    for (unsigned i = 0; i < built.ref_count; ++i) refs_.push_back(refs[built.refs[i]]);
-    for (unsigned i = 0; i < built.child_count; ++i) Flatten(*built.children[i], refs);
-    nodes_[n].skip = uint32_t(nodes_.size());
   }
 
   /// Bounds references and nodes in the raster, and drops the references that are never visible.
@@ -215,7 +131,6 @@ class FlatBvh : public Bvh {
   }
 
   std::shared_ptr<const FrameScene> frame_;
-  double scale_;  ///< Metres a unit of the bounds that Embree is given.
   std::vector<Node> nodes_;
   std::vector<TriangleRef> refs_;
   std::vector<SweptBounds> bounds_;  ///< One a reference.
@@ -225,7 +140,13 @@ class FlatBvh : public Bvh {
 
 absl::StatusOr<std::unique_ptr<const Bvh>> Bvh::Build(std::shared_ptr<const FrameScene> frame, int threads) {
   auto bvh = std::make_unique<FlatBvh>(std::move(frame));
-  SL_RETURN_IF_ERROR(bvh->BuildTree(threads));
+  try {
+    bvh->BuildTree(threads);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("build BVH: out of memory");
+  } catch (const std::length_error&) {
+    return absl::ResourceExhaustedError("build BVH: out of memory");
+  }
   return std::unique_ptr<const Bvh>(std::move(bvh));
 }
 

@@ -12,15 +12,15 @@
 namespace shutterline::engine {
 
 /// A bounding volume hierarchy over the triangles of a frame, each bounded over the shutter by the hull of
-/// its control points, or, where its motion is long, over several spans of it (SpansFor), built with Embree's
-/// builder. Answers which triangles a tile may see; those that show their back all through the shutter, and
+/// its control points, or, where its motion is long, over several spans of it (SpansFor). Answers
+/// which triangles a tile may see; those that show their back all through the shutter, and
 /// whose material is not drawn from there, none does.
 /// Immutable once built; any number of threads may query it.
 class Bvh {
  public:
   virtual ~Bvh() = default;
 
-  /// Builds with up to `threads` threads. INTERNAL if Embree fails.
+  /// Builds with up to `threads` threads. RESOURCE_EXHAUSTED where memory is not enough.
   static absl::StatusOr<std::unique_ptr<const Bvh>> Build(std::shared_ptr<const FrameScene> frame,
                                                           int threads);
 

@@ -15,7 +15,8 @@ struct TriangleRef {
   uint8_t span, spans;
 };
 
-inline constexpr int kMaxRefSpans = 16;
+inline constexpr int kMaxRefSpansLog2 = 4;
+inline constexpr int kMaxRefSpans = 1 << kMaxRefSpansLog2;
 
 /// Appends the points in whose hull the corners of a triangle stay during a span: control points, or those of
 /// the part of a piece that the span is.
@@ -30,7 +31,14 @@ int SpansFor(const FrameScene& frame, uint32_t triangle);
 /// Bounds of a reference in view space divided by `scale`, rounded outwards.
 ViewBounds BoundsOf(const FrameScene& frame, const TriangleRef& ref, double scale);
 
-/// References of all triangles of a frame, those of a triangle in a row, made in parallel.
-std::vector<TriangleRef> MakeTriangleRefs(const FrameScene& frame);
+/// References and their bounds by BoundsOf, one each.
+struct BoundedRefs {
+  std::vector<TriangleRef> refs;
+  std::vector<ViewBounds> bounds;
+};
+
+/// The references of all triangles of a frame, those of a triangle in a row. Runs in parallel in the calling
+/// thread's arena; the result does not depend on how.
+BoundedRefs MakeBoundedRefs(const FrameScene& frame, double scale);
 
 }  // namespace shutterline::engine

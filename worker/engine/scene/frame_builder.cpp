@@ -2,13 +2,16 @@
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -19,6 +22,7 @@ namespace {
 
 /// Warnings name this many meshes whose motion misses their path, the worst first, and count the rest.
 constexpr size_t kNamedMeshes = 16;
+constexpr uint32_t kVerticesPerTask = 1024;
 
 bool AreEqual(const std::vector<V4f>& colors) {
   return !colors.empty() &&
@@ -45,14 +49,14 @@ absl::Status FrameBuilder::Build() {
   SL_ASSIGN_OR_RETURN(const Moment open, shutter_.At(0));
   if (!anything_moves_) {
     FitMotion(open);
-    LayOutVertices();
+    SL_RETURN_IF_ERROR(LayOutVertices(open));
     EvaluateNormals(open);
   } else {
     // At mid-shutter: a node that grows from nothing has no sides at shutter open.
     SL_ASSIGN_OR_RETURN(const Moment middle, shutter_.At(0.5));
     SL_RETURN_IF_ERROR(shutter_.At(1).status());
     FitMotion(open);
-    LayOutVertices();
+    SL_RETURN_IF_ERROR(LayOutVertices(open));
     EvaluateNormals(middle);
   }
   MakeTriangles();
@@ -63,7 +67,8 @@ absl::Status FrameBuilder::Build() {
 
 absl::Status FrameBuilder::MakeView() {
   if (choice_.IsAutomatic()) {
-    auto_camera_ = MakeAutoCamera(AnimationBounds(shutter_.sampler()), settings_.width, settings_.height);
+    auto_camera_ =
+        MakeAutoCamera(scene_.facts.BoundsOf(shutter_.sampler()), settings_.width, settings_.height);
     shutter_.SetFixedCamera(auto_camera_->pose);
   }
   const Camera& camera = auto_camera_ ? auto_camera_->camera : scene_.cameras[size_t(choice_.camera)];
@@ -107,7 +112,15 @@ absl::Status FrameBuilder::PlaceMeshes() {
 }
 
 void FrameBuilder::FitMotion(const Moment& open) {
-  MotionFitter fitter(scene_, frame_->view, shutter_, settings_, placed_);
+  std::vector<size_t> moving;
+  for (const PlacedMesh& placed : placed_) {
+    const size_t mesh = size_t(placed.mesh - scene_.meshes.data());
+    if (placed.moves && vertex_sets_.try_emplace(placed.mesh).second) moving.push_back(mesh);
+  }
+  tbb::parallel_for(size_t{0}, moving.size(), [&](size_t i) {
+    vertex_sets_.at(&scene_.meshes[moving[i]]) = scene_.facts.VertexSetsOf(scene_.meshes, moving[i]);
+  });
+  MotionFitter fitter(scene_, frame_->view, shutter_, settings_, placed_, vertex_sets_);
   fitted_ = fitter.Fit(open, frame_->warnings);
   for (size_t i = 0; i < placed_.size(); ++i) {
     for (size_t k = 0; k < fitted_[i].moves.size(); ++k) {
@@ -119,7 +132,7 @@ void FrameBuilder::FitMotion(const Moment& open) {
   }
 }
 
-void FrameBuilder::LayOutVertices() {
+absl::Status FrameBuilder::LayOutVertices(const Moment& still) {
   uint64_t control_points = 0, normals = 0;
   for (FramePrimitive& primitive : frame_->primitives) {
     primitive.first_control_point = control_points;
@@ -130,20 +143,48 @@ void FrameBuilder::LayOutVertices() {
   frame_->control_points.resize(control_points);
   frame_->normals.resize(normals);
   usable_.assign(frame_->primitives.size(), 0);
+
+  // What moves passes through places at these times.
+  std::map<double, Moment> moments;
+  for (const FittedMesh& fitted : fitted_) {
+    const int last = fitted.degree * fitted.pieces;
+    for (int i = 0; i <= last && last > 0; ++i) {
+      const double t = double(i) / last;
+      if (moments.count(t) != 0) continue;
+      SL_ASSIGN_OR_RETURN(Moment moment, shutter_.At(t));
+      moments.emplace(t, std::move(moment));
+    }
+  }
   tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
-    for (size_t k = 0; k < fitted_[i].control_points.size(); ++k) {
-      FramePrimitive& primitive = frame_->primitives[placed_[i].first_primitive + k];
-      std::vector<RasterPoint>& points = fitted_[i].control_points[k];
+    const PlacedMesh& placed = placed_[i];
+    const FittedMesh& fitted = fitted_[i];
+    const MeshPose rest(scene_, placed.node, still.pose, still.camera);
+    const int last = fitted.degree * fitted.pieces;
+    std::vector<MeshPose> knots;
+    for (int k = 0; k <= last && last > 0; ++k) {
+      const Moment& moment = moments.at(double(k) / last);
+      knots.emplace_back(scene_, placed.node, moment.pose, moment.camera);
+    }
+    std::vector<const MeshPose*> poses;
+    for (const MeshPose& knot : knots) poses.push_back(&knot);
+    const MeshPose* const at_rest = &rest;
+    for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
+      FramePrimitive& primitive = frame_->primitives[placed.first_primitive + k];
+      const bool moves = primitive.degree > 0;
       const ControlPointFacts facts =
-          FactsOf(frame_->view, *primitive.source, primitive.degree, primitive.pieces, points);
-      usable_[placed_[i].first_primitive + k] = facts.all_usable;
+          WriteCurves(frame_->view, *primitive.source,
+                      moves ? std::span<const uint8_t>((*vertex_sets_.at(placed.mesh))[k].used)
+                            : std::span<const uint8_t>(),
+                      moves ? std::span(poses) : std::span(&at_rest, 1), primitive.degree, primitive.pieces,
+                      std::span(frame_->control_points)
+                          .subspan(primitive.first_control_point,
+                                   size_t{primitive.vertex_count} * size_t(primitive.PointsPerVertex())));
+      usable_[placed.first_primitive + k] = facts.all_usable;
       primitive.motion_pixels = facts.motion_pixels;
       primitive.linear_pieces = LinearPiecesFor(primitive.degree, primitive.pieces, facts.chord_pixels);
-      std::copy(points.begin(), points.end(),
-                frame_->control_points.begin() + ptrdiff_t(primitive.first_control_point));
-      points = {};
     }
   });
+  return absl::OkStatus();
 }
 
 void FrameBuilder::EvaluateNormals(const Moment& moment) {
@@ -155,9 +196,13 @@ void FrameBuilder::EvaluateNormals(const Moment& moment) {
       FramePrimitive& primitive = frame_->primitives[placed.first_primitive + k];
       primitive.mirrored = pose.Mirrors(source);
       if (!primitive.has_normals) continue;
-      tbb::parallel_for(uint32_t{0}, primitive.vertex_count, [&](uint32_t v) {
-        frame_->normals[primitive.first_normal + v] = V3f(pose.Normal(source, v));
-      });
+      tbb::parallel_for(
+          tbb::blocked_range<uint32_t>(0, primitive.vertex_count, kVerticesPerTask),
+          [&](const tbb::blocked_range<uint32_t>& range) {
+            pose.WriteNormals(
+                source, range.begin(),
+                std::span(frame_->normals).subspan(primitive.first_normal + range.begin(), range.size()));
+          });
     }
   });
 }

@@ -29,7 +29,8 @@ class FrameBuilder {
   absl::Status MakeView();
   absl::Status PlaceMeshes();
   void FitMotion(const Moment& open);
-  void LayOutVertices();
+  /// `still` is the moment for what does not move.
+  absl::Status LayOutVertices(const Moment& still);
   void EvaluateNormals(const Moment& moment);
   void MakeTriangles();
   void NameMisses();
@@ -45,6 +46,7 @@ class FrameBuilder {
   std::optional<AutoCamera> auto_camera_;
   bool anything_moves_ = false;
   std::vector<PlacedMesh> placed_;
+  MeshVertexSets vertex_sets_;      ///< Of placed meshes that may move.
   std::vector<FittedMesh> fitted_;  ///< One a placed mesh.
   std::vector<char> usable_;        ///< One a primitive: all its control points are.
   std::shared_ptr<FrameScene> frame_;

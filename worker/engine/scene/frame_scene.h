@@ -27,8 +27,17 @@ struct FrameView {
   double znear = 0.1;  ///< Metres, > 0 for perspective.
   double zfar = 0;     ///< 0: infinite.
 
-  RasterPoint RasterFromView(const V3d& p) const;
-  V3d ViewFromRaster(const RasterPoint& p) const;
+  RasterPoint RasterFromView(const V3d& p) const {
+    const double w = perspective ? -p.z : 1;
+    // Orthographic depth is 1 at the near plane and 0 at the far plane.
+    const double z = perspective ? znear : (zfar + p.z) / (zfar - znear);
+    return {scale_x * p.x + center_x * w, -scale_y * p.y + center_y * w, z, w};
+  }
+  V3d ViewFromRaster(const RasterPoint& p) const {
+    if (perspective) return {(p.x - center_x * p.w) / scale_x, (center_y * p.w - p.y) / scale_y, -p.w};
+    return {(p.x / p.w - center_x) / scale_x, (center_y - p.y / p.w) / scale_y,
+            p.z / p.w * (zfar - znear) - zfar};
+  }
   /// Depth (z/w) at the far plane: what is smaller is clipped. 0 for an infinite far plane.
   double FarDepth() const;
 };

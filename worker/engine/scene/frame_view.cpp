@@ -18,19 +18,6 @@ absl::Status Require(bool condition, absl::string_view field, double value, absl
 
 }  // namespace
 
-RasterPoint FrameView::RasterFromView(const V3d& p) const {
-  const double w = perspective ? -p.z : 1;
-  // Orthographic depth is 1 at the near plane and 0 at the far plane.
-  const double z = perspective ? znear : (zfar + p.z) / (zfar - znear);
-  return {scale_x * p.x + center_x * w, -scale_y * p.y + center_y * w, z, w};
-}
-
-V3d FrameView::ViewFromRaster(const RasterPoint& p) const {
-  if (perspective) return {(p.x - center_x * p.w) / scale_x, (center_y * p.w - p.y) / scale_y, -p.w};
-  return {(p.x / p.w - center_x) / scale_x, (center_y - p.y / p.w) / scale_y,
-          p.z / p.w * (zfar - znear) - zfar};
-}
-
 double FrameView::FarDepth() const {
   return perspective && zfar > 0 ? znear / zfar : 0;
 }

@@ -37,11 +37,27 @@ struct Linear {
   double Determinant() const { return a.dot(b.cross(c)); }
 };
 
-V3d Transform(const M44d& m, const V3d& p) {
-  return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
-          p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
-          p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
-}
+/// What takes normals to view space: the inverse transpose, but for a factor.
+class NormalMap {
+ public:
+  explicit NormalMap(Linear linear) {
+    // The cofactors are the inverse transpose times the determinant, of which only the sign matters.
+    linear.Normalize();
+    x_ = linear.b.cross(linear.c);
+    y_ = linear.c.cross(linear.a);
+    z_ = linear.a.cross(linear.b);
+    mirrors_ = linear.Determinant() < 0;
+  }
+
+  V3d operator()(const V3d& n) const {
+    const V3d normal = n.x * x_ + n.y * y_ + n.z * z_;
+    return UnitOrZero(mirrors_ ? -normal : normal);
+  }
+
+ private:
+  V3d x_, y_, z_;
+  bool mirrors_;
+};
 
 std::vector<double> MorphWeights(const Scene& scene, int node, const Pose& pose) {
   const auto animated = pose.weights.find(node);
@@ -79,7 +95,7 @@ V3d MeshPose::Position(const MeshPrimitive& primitive, uint32_t vertex) const {
     const std::vector<V3f>& offsets = primitive.targets[active.target].positions;
     if (!offsets.empty()) p += active.weight * V3d(offsets[vertex]);
   }
-  if (!IsSkinned(primitive)) return Transform(view_from_object_, p);
+  if (!IsSkinned(primitive)) return TransformPoint(view_from_object_, p);
 
   const VertexInfluences& influences = primitive.influences[vertex];
   V3d sum(0);
@@ -87,20 +103,34 @@ V3d MeshPose::Position(const MeshPrimitive& primitive, uint32_t vertex) const {
   for (size_t k = 0; k < influences.weights.size(); ++k) {
     const double weight = influences.weights[k];
     if (weight == 0) continue;
-    sum += weight * Transform(view_from_bind_[influences.joints[k]], p);
+    sum += weight * TransformPoint(view_from_bind_[influences.joints[k]], p);
     total += weight;
   }
   // Without any weight the vertex follows its first joint.
-  return total != 0 ? sum / total : Transform(view_from_bind_[influences.joints[0]], p);
+  return total != 0 ? sum / total : TransformPoint(view_from_bind_[influences.joints[0]], p);
 }
 
-V3d MeshPose::Normal(const MeshPrimitive& primitive, uint32_t vertex) const {
+const M44d* MeshPose::MatrixOf(const MeshPrimitive& primitive) const {
+  if (IsSkinned(primitive)) return nullptr;
+  for (const ActiveTarget& active : targets_) {
+    if (active.target < primitive.targets.size() && !primitive.targets[active.target].positions.empty()) {
+      return nullptr;
+    }
+  }
+  return &view_from_object_;
+}
+
+V3d MeshPose::MorphedNormal(const MeshPrimitive& primitive, uint32_t vertex) const {
   V3d n(primitive.normals[vertex]);
   for (const ActiveTarget& active : targets_) {
     if (active.target >= primitive.targets.size()) break;
     const std::vector<V3f>& offsets = primitive.targets[active.target].normals;
     if (!offsets.empty()) n += active.weight * V3d(offsets[vertex]);
   }
+  return n;
+}
+
+V3d MeshPose::Normal(const MeshPrimitive& primitive, uint32_t vertex) const {
   Linear linear(view_from_object_);
   if (IsSkinned(primitive)) {
     linear = Linear();
@@ -113,11 +143,16 @@ V3d MeshPose::Normal(const MeshPrimitive& primitive, uint32_t vertex) const {
     }
     if (!any) linear = Linear(view_from_bind_[influences.joints[0]]);
   }
-  // The cofactors are the inverse transpose times the determinant, of which only the sign matters.
-  linear.Normalize();
-  const V3d normal =
-      n.x * linear.b.cross(linear.c) + n.y * linear.c.cross(linear.a) + n.z * linear.a.cross(linear.b);
-  return UnitOrZero(linear.Determinant() < 0 ? -normal : normal);
+  return NormalMap(linear)(MorphedNormal(primitive, vertex));
+}
+
+void MeshPose::WriteNormals(const MeshPrimitive& primitive, uint32_t first, std::span<V3f> out) const {
+  if (IsSkinned(primitive)) {
+    for (size_t i = 0; i < out.size(); ++i) out[i] = V3f(Normal(primitive, first + uint32_t(i)));
+    return;
+  }
+  const NormalMap map{Linear(view_from_object_)};
+  for (size_t i = 0; i < out.size(); ++i) out[i] = V3f(map(MorphedNormal(primitive, first + uint32_t(i))));
 }
 
 bool MeshPose::Mirrors(const MeshPrimitive& primitive) const {

@@ -1,10 +1,10 @@
 #include "worker/engine/scene/motion.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +16,7 @@ namespace shutterline::engine {
 namespace {
 
 constexpr size_t kVerticesPerTask = 1024;
+constexpr size_t kVerticesPerPart = 256;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 V2d RasterPosition(const RasterPoint& p) {
@@ -39,29 +40,58 @@ double PathLength(const RasterPoint* points, size_t count) {
   return length;
 }
 
-/// The length of a vertex's path, from four places a curved piece.
-double CurveLength(const RasterPoint* control_points, int degree, int pieces) {
+/// A bound that cannot be told from `exact` where it matters: enlarged by more than both were rounded.
+double Enlarged(double length) {
+  return length * (1 + 1e-9) + 1e-150;
+}
+
+/// As PathLength, but quickly, and rounded in another way.
+double ApproximateLength(const RasterPoint* points, size_t count) {
+  double length = 0;
+  bool in_front = IsInFront(points[0]);
+  V2d last = RasterPosition(points[0]);
+  for (size_t i = 1; i < count; ++i) {
+    const V2d next = RasterPosition(points[i]);
+    in_front = in_front && IsInFront(points[i]);
+    length += std::sqrt((next.x - last.x) * (next.x - last.x) + (next.y - last.y) * (next.y - last.y));
+    last = next;
+  }
+  return in_front ? length : kInfinity;
+}
+
+/// The length of a vertex's path, from four places a curved piece; or anything that is not above `least`, if
+/// it is not.
+double CurveLength(const RasterPoint* control_points, int degree, int pieces, double least) {
   if (degree < 2) return PathLength(control_points, size_t(pieces * degree) + 1);
   constexpr int kSteps = 4;
+  std::array<RasterPoint, kMaxMotionPieces*(kSteps + 1)> places;
+  double about = 0;
+  for (int piece = 0; piece < pieces; ++piece) {
+    RasterPoint* const of_piece = &places[size_t(piece * (kSteps + 1))];
+    for (int i = 0; i <= kSteps; ++i) {
+      of_piece[i] = BezierPoint(control_points + piece * degree, degree, double(i) / kSteps);
+    }
+    about += ApproximateLength(of_piece, kSteps + 1);
+  }
+  if (Enlarged(about) <= least) return 0;
   double length = 0;
   for (int piece = 0; piece < pieces; ++piece) {
-    RasterPoint places[kSteps + 1];
-    for (int i = 0; i <= kSteps; ++i) {
-      places[i] = BezierPoint(control_points + piece * degree, degree, double(i) / kSteps);
-    }
-    length += PathLength(places, kSteps + 1);
+    length += PathLength(&places[size_t(piece * (kSteps + 1))], kSteps + 1);
   }
   return length;
 }
 
 /// A bound on how far a piece of a curve is from its chord at equal u: n (n - 1) / 8 times the largest second
 /// difference of its control points, as seen in the raster.
-double ChordPixels(const FrameView& view, const RasterPoint* c, int degree) {
+/// Or anything that is not above `least`, if it is not.
+double ChordPixels(const FrameView& view, const RasterPoint* c, int degree, double least) {
   double largest = 0;
   for (int i = 1; i < degree; ++i) {
     const RasterPoint bend = (c[i + 1] - c[i]) - (c[i] - c[i - 1]);
-    largest =
-        std::max(largest, PathErrorBetween(view, c[i], c[i] + (degree * (degree - 1) / 8.0) * bend).pixels);
+    const RasterPoint bent = c[i] + (degree * (degree - 1) / 8.0) * bend;
+    const RasterPoint both[] = {c[i], bent};
+    if (Enlarged(ApproximateLength(both, 2)) <= least) continue;
+    largest = std::max(largest, PathErrorBetween(view, c[i], bent).pixels);
   }
   return largest;
 }
@@ -69,6 +99,27 @@ double ChordPixels(const FrameView& view, const RasterPoint* c, int degree) {
 ControlPointFacts Merge(const ControlPointFacts& a, const ControlPointFacts& b) {
   return {a.all_usable && b.all_usable, std::max(a.motion_pixels, b.motion_pixels),
           std::max(a.chord_pixels, b.chord_pixels)};
+}
+
+/// Takes what the control points of vertices from number `first` on say.
+void ExtendFacts(const FrameView& view, std::span<const uint8_t> used, uint32_t first, int degree, int pieces,
+                 std::span<const RasterPoint> control_points, ControlPointFacts& facts) {
+  const size_t per_vertex = size_t(pieces * degree) + 1;
+  const size_t count = control_points.size() / per_vertex;
+  for (size_t v = 0; v < count; ++v) {
+    const RasterPoint* const c = &control_points[v * per_vertex];
+    const bool usable = std::all_of(c, c + per_vertex, IsUsable);
+    facts.all_usable = facts.all_usable && usable;
+    if (degree == 0 || !usable || !used[first + v]) continue;
+    if (degree > 1 || !(Enlarged(ApproximateLength(c, per_vertex)) <= facts.motion_pixels)) {
+      facts.motion_pixels =
+          std::max(facts.motion_pixels, CurveLength(c, degree, pieces, facts.motion_pixels));
+    }
+    for (int piece = 0; piece < pieces && degree > 1; ++piece) {
+      facts.chord_pixels =
+          std::max(facts.chord_pixels, ChordPixels(view, c + piece * degree, degree, facts.chord_pixels));
+    }
+  }
 }
 
 }  // namespace
@@ -83,29 +134,35 @@ bool IsInFront(const RasterPoint& p) {
   return p.w > 0 && p.z <= p.w;
 }
 
-void WritePlaces(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                 std::span<const uint32_t> vertices, size_t index, size_t per_vertex,
-                 std::span<RasterPoint> points) {
-  const size_t count = vertices.empty() ? primitive.positions.size() : vertices.size();
-  SL_CHECK(points.size() == count * per_vertex && index < per_vertex);
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, count, kVerticesPerTask), [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          const uint32_t vertex = vertices.empty() ? uint32_t(i) : vertices[i];
-          points[i * per_vertex + index] = view.RasterFromView(pose.Position(primitive, vertex));
-        }
-      });
+void WritePlaces(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose, uint32_t first,
+                 uint32_t count, size_t stride, RasterPoint* points) {
+  const FrameView local = view;  // The compiler then knows that writing points does not change it.
+  const M44d* const shared = pose.MatrixOf(primitive);
+  if (shared == nullptr) {
+    for (uint32_t i = 0; i < count; ++i) {
+      points[i * stride] = local.RasterFromView(pose.Position(primitive, first + i));
+    }
+    return;
+  }
+  const M44d matrix = *shared;
+  const V3f* const positions = primitive.positions.data() + first;
+  for (uint32_t i = 0; i < count; ++i) {
+    points[i * stride] = local.RasterFromView(TransformPoint(matrix, V3d(positions[i])));
+  }
 }
 
-bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                    std::span<const RasterPoint> places) {
-  for (uint32_t v = 0; v < places.size(); ++v) {
-    const RasterPoint& a = places[v];
-    const RasterPoint b = view.RasterFromView(pose.Position(primitive, v));
+bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& a,
+                    const MeshPose& b) {
+  const M44d* const matrix_a = a.MatrixOf(primitive);
+  const M44d* const matrix_b = b.MatrixOf(primitive);
+  if (matrix_a != nullptr && matrix_b != nullptr && *matrix_a == *matrix_b) return false;
+  for (uint32_t v = 0; v < primitive.positions.size(); ++v) {
+    const RasterPoint at_a = view.RasterFromView(a.Position(primitive, v));
+    const RasterPoint at_b = view.RasterFromView(b.Position(primitive, v));
     // A vertex that becomes unusable half-way counts as moving, so that its triangles are dropped; one that
     // always is is dropped as it is.
-    if (IsUsable(a) != IsUsable(b)) return true;
-    if (!(a == b) && IsUsable(a)) return true;
+    if (IsUsable(at_a) != IsUsable(at_b)) return true;
+    if (!(at_a == at_b) && IsUsable(at_a)) return true;
   }
   return false;
 }
@@ -121,18 +178,31 @@ void InterpolateBezier(std::span<RasterPoint> points) {
   }
 }
 
-void InterpolateAll(int degree, int pieces, std::span<RasterPoint> points) {
-  if (degree < 2) return;
+ControlPointFacts WriteCurves(const FrameView& view, const MeshPrimitive& primitive,
+                              std::span<const uint8_t> used, std::span<const MeshPose* const> poses,
+                              int degree, int pieces, std::span<RasterPoint> points) {
   const size_t per_vertex = size_t(pieces * degree) + 1;
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, points.size() / per_vertex, kVerticesPerTask),
-      [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t v = range.begin(); v < range.end(); ++v) {
-          for (size_t piece = 0; piece < size_t(pieces); ++piece) {
-            InterpolateBezier(points.subspan(v * per_vertex + piece * size_t(degree), size_t(degree) + 1));
+  SL_CHECK(poses.size() == per_vertex && points.size() == primitive.positions.size() * per_vertex);
+  return tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, primitive.positions.size(), kVerticesPerTask), ControlPointFacts(),
+      [&](const tbb::blocked_range<size_t>& range, ControlPointFacts facts) {
+        // In parts that stay in the cache.
+        for (size_t first = range.begin(); first < range.end(); first += kVerticesPerPart) {
+          const size_t count = std::min(kVerticesPerPart, range.end() - first);
+          const std::span<RasterPoint> part = points.subspan(first * per_vertex, count * per_vertex);
+          for (size_t i = 0; i < per_vertex; ++i) {
+            WritePlaces(view, primitive, *poses[i], uint32_t(first), uint32_t(count), per_vertex, &part[i]);
           }
+          for (size_t v = 0; v < count && degree > 1; ++v) {
+            for (size_t piece = 0; piece < size_t(pieces); ++piece) {
+              InterpolateBezier(part.subspan(v * per_vertex + piece * size_t(degree), size_t(degree) + 1));
+            }
+          }
+          ExtendFacts(view, used, uint32_t(first), degree, pieces, part, facts);
         }
-      });
+        return facts;
+      },
+      Merge);
 }
 
 ControlPointFacts FactsOf(const FrameView& view, const MeshPrimitive& primitive, int degree, int pieces,
@@ -141,22 +211,9 @@ ControlPointFacts FactsOf(const FrameView& view, const MeshPrimitive& primitive,
   const size_t per_vertex = size_t(pieces * degree) + 1;
   SL_CHECK(control_points.size() == count * per_vertex);
   const std::vector<uint8_t> used = degree > 0 ? UsedVertices(primitive) : std::vector<uint8_t>();
-  return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, count, kVerticesPerTask), ControlPointFacts(),
-      [&](const tbb::blocked_range<size_t>& range, ControlPointFacts facts) {
-        for (size_t v = range.begin(); v < range.end(); ++v) {
-          const RasterPoint* const c = &control_points[v * per_vertex];
-          const bool usable = std::all_of(c, c + per_vertex, IsUsable);
-          facts.all_usable = facts.all_usable && usable;
-          if (degree == 0 || !usable || !used[v]) continue;
-          facts.motion_pixels = std::max(facts.motion_pixels, CurveLength(c, degree, pieces));
-          for (int piece = 0; piece < pieces && degree > 1; ++piece) {
-            facts.chord_pixels = std::max(facts.chord_pixels, ChordPixels(view, c + piece * degree, degree));
-          }
-        }
-        return facts;
-      },
-      Merge);
+  ControlPointFacts facts;
+  ExtendFacts(view, used, 0, degree, pieces, control_points, facts);
+  return facts;
 }
 
 int LinearPiecesFor(int degree, int pieces, double chord_pixels) {
@@ -198,28 +255,19 @@ PathError PathErrorBetween(const FrameView& view, const RasterPoint& path, const
   return {std::min(error.pixels, seen.pixels * share), std::min(error.depth, seen.depth * share)};
 }
 
-PathError LargestPathError(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                           double t, int degree, int pieces, std::span<const uint8_t> used,
-                           std::span<const uint32_t> vertices, std::span<const RasterPoint> points) {
-  const size_t count = vertices.empty() ? primitive.positions.size() : vertices.size();
-  const size_t per_vertex = size_t(pieces * degree) + 1;
-  const CurvePosition at = CurvePositionAt(pieces, t);
-  return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, count, kVerticesPerTask), PathError(),
-      [&](const tbb::blocked_range<size_t>& range, PathError error) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          const uint32_t vertex = vertices.empty() ? uint32_t(i) : vertices[i];
-          if (!used[vertex]) continue;
-          const RasterPoint fit =
-              BezierPoint(&points[i * per_vertex + size_t(at.piece * degree)], degree, at.u);
-          error.Extend(PathErrorBetween(view, view.RasterFromView(pose.Position(primitive, vertex)), fit));
-        }
-        return error;
-      },
-      [](PathError a, const PathError& b) {
-        a.Extend(b);
-        return a;
-      });
+bool IsSurelyWithinTolerance(const FrameView& view, const RasterPoint& path, const RasterPoint& fit) {
+  if (!IsInFront(path) || !IsInFront(fit)) return false;
+  // Both positions times both distances; far outside of the frame rounding is not small.
+  constexpr double kSlack = 0.999, kFar = 1e6;
+  const double w = path.w * fit.w;
+  const double x = path.x * fit.w - fit.x * path.w;
+  const double y = path.y * fit.w - fit.y * path.w;
+  const double most = kSlack * kPathPixels * w;
+  const bool is_deep = view.perspective ? std::abs(path.w - fit.w) <= kSlack * kPathDepth * fit.w
+                                        : std::abs(path.z - fit.z) <= kSlack * kPathDepth;
+  // Of tiny numbers the squares would vanish.
+  return w > 1e-100 && is_deep && x * x + y * y <= most * most && std::abs(path.x) <= kFar * path.w &&
+         std::abs(path.y) <= kFar * path.w;
 }
 
 }  // namespace shutterline::engine

@@ -30,26 +30,25 @@ bool IsInFront(const RasterPoint& p);
 /// bit.
 void InterpolateBezier(std::span<RasterPoint> points);
 
-/// Writes where `pose` has the vertices named in `vertices` (all, in order, if it is empty) to every
-/// `per_vertex`th of `points`, from number `index` on.
-void WritePlaces(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                 std::span<const uint32_t> vertices, size_t index, size_t per_vertex,
-                 std::span<RasterPoint> points);
+/// Writes where `pose` has `count` vertices, from number `first` on, to every `stride`th of `points`.
+void WritePlaces(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose, uint32_t first,
+                 uint32_t count, size_t stride, RasterPoint* points);
 
-/// Whether a vertex is not in `pose` where it is in `places`, which holds one point a vertex. Vertices that
-/// are not usable do not count.
-bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                    std::span<const RasterPoint> places);
+/// Whether a vertex is not at one place in both poses. Vertices that are not usable do not count.
+bool AnyVertexMoves(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& a,
+                    const MeshPose& b);
 
-/// Makes control points of `points`, which hold the places of vertices at pieces * degree + 1 times at equal
-/// intervals of the shutter.
-void InterpolateAll(int degree, int pieces, std::span<RasterPoint> points);
+/// Writes the control points of all vertices of a primitive, whose curves pass through the places that the
+/// poses at pieces * degree + 1 equal intervals of the shutter have. Returns the facts of FactsOf.
+ControlPointFacts WriteCurves(const FrameView& view, const MeshPrimitive& primitive,
+                              std::span<const uint8_t> used, std::span<const MeshPose* const> poses,
+                              int degree, int pieces, std::span<RasterPoint> points);
 
 /// Facts of the control points of all vertices of a primitive.
 ControlPointFacts FactsOf(const FrameView& view, const MeshPrimitive& primitive, int degree, int pieces,
                           std::span<const RasterPoint> control_points);
 
-/// See FramePrimitive::linear_pieces; `chord_pixels` is that of WriteControlPoints.
+/// See FramePrimitive::linear_pieces; `chord_pixels` is that of ControlPointFacts.
 int LinearPiecesFor(int degree, int pieces, double chord_pixels);
 
 /// How far a representation leaves the true path: pixels, and depth as a fraction (kPathDepth).
@@ -69,10 +68,7 @@ struct PathError {
 /// plane there is no raster position: the angle at the eye counts. Places that are not usable count nothing.
 PathError PathErrorBetween(const FrameView& view, const RasterPoint& path, const RasterPoint& fit);
 
-/// The largest error at shutter time `t`, at which the mesh is as `pose` has it, over `vertices` (as in
-/// WritePlaces, whose control points `points` holds) that are used by triangles according to `used`.
-PathError LargestPathError(const FrameView& view, const MeshPrimitive& primitive, const MeshPose& pose,
-                           double t, int degree, int pieces, std::span<const uint8_t> used,
-                           std::span<const uint32_t> vertices, std::span<const RasterPoint> points);
+/// True only where PathErrorBetween is within tolerance; seen without dividing. False says nothing.
+bool IsSurelyWithinTolerance(const FrameView& view, const RasterPoint& path, const RasterPoint& fit);
 
 }  // namespace shutterline::engine

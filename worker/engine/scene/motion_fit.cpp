@@ -7,15 +7,13 @@
 #include <limits>
 #include <utility>
 
-#include "worker/engine/scene/scene_bounds.h"
+#include "worker/engine/scene/curve_check.h"
 
 namespace shutterline::engine {
 namespace {
 
 /// The path is checked at so many keys inside the shutter at most, taken evenly from all.
 constexpr size_t kCheckedKeys = 32;
-/// Representations are tried on about so many vertices of a primitive before all are looked at.
-constexpr size_t kTriedVertices = 256;
 /// Where nothing is within tolerance, a lower degree is taken if its error is within this factor of the best:
 /// a curve of higher degree swings about a jump.
 constexpr double kGoodEnough = 2;
@@ -26,25 +24,38 @@ constexpr double kOddTime = 0.41421356;
 
 struct MotionFitter::Search {
   const PlacedMesh* placed = nullptr;
+  const std::vector<VertexSets>* sets = nullptr;
   FittedMesh* fitted = nullptr;
   bool decided = false;
-  bool failed = false;  ///< The representation being tried is.
-  std::vector<std::vector<uint8_t>> used;
-  std::vector<std::vector<uint32_t>> tried;  ///< By primitive: vertices to try; empty: all.
-  std::vector<std::vector<RasterPoint>> points;
+  bool failed = false;          ///< The representation being tried is.
+  std::vector<MeshPose> knots;  ///< Where it passes through the path.
   PathError error;
   double worst_excess = 0, error_time = 0;
   std::vector<std::pair<Candidate, double>> misses;  ///< What was measured fully, and its excess.
 
   const MeshPrimitive& Primitive(size_t k) const { return placed->mesh->primitives[k]; }
   bool TriesAll() const {
-    return std::all_of(tried.begin(), tried.end(), [](const auto& v) { return v.empty(); });
+    for (size_t k = 0; k < sets->size(); ++k) {
+      if (fitted->moves[k] && !(*sets)[k].tried.empty()) return false;
+    }
+    return true;
+  }
+  /// Checks of primitive k at shutter time t.
+  CurveCheck CheckAt(size_t k, const FrameView& view, const Candidate& candidate, double t) const {
+    const CurvePosition at = CurvePositionAt(candidate.pieces, t);
+    return {view, Primitive(k), (*sets)[k],
+            std::span(knots).subspan(size_t(at.piece * candidate.degree), size_t(candidate.degree) + 1),
+            at.u};
+  }
+  std::span<const uint32_t> Vertices(size_t k, bool all) const {
+    return all ? std::span<const uint32_t>() : (*sets)[k].tried;
   }
 };
 
 MotionFitter::MotionFitter(const Scene& scene, const FrameView& view, const ShutterPoses& shutter,
-                           const RenderSettings& settings, std::span<const PlacedMesh> placed)
-    : scene_(scene), view_(view), shutter_(shutter), settings_(settings), placed_(placed) {
+                           const RenderSettings& settings, std::span<const PlacedMesh> placed,
+                           const MeshVertexSets& sets)
+    : scene_(scene), view_(view), shutter_(shutter), settings_(settings), placed_(placed), sets_(sets) {
   double before = 0;
   for (const double key : shutter.KeyTimes(kCheckedKeys)) {
     key_times_.push_back((before + key) / 2);
@@ -93,29 +104,15 @@ std::vector<FittedMesh> MotionFitter::Fit(const Moment& open, std::vector<std::s
   std::vector<FittedMesh> fitted(placed_.size());
   std::vector<Search> searches;
   for (size_t i = 0; i < placed_.size(); ++i) {
-    const size_t count = placed_[i].mesh->primitives.size();
-    fitted[i].control_points.resize(count);
-    fitted[i].moves.assign(count, 0);
+    fitted[i].moves.assign(placed_[i].mesh->primitives.size(), 0);
     if (!placed_[i].moves) continue;
     Search& search = searches.emplace_back();
     search.placed = &placed_[i];
+    search.sets = sets_.at(placed_[i].mesh).get();
     search.fitted = &fitted[i];
-    search.used.resize(count);
-    search.tried.resize(count);
-    search.points.resize(count);
   }
-
-  // Everything at shutter open: what never moves is done with that.
-  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
-    const MeshPose pose(scene_, placed_[i].node, open.pose, open.camera);
-    for (size_t k = 0; k < fitted[i].control_points.size(); ++k) {
-      const MeshPrimitive& primitive = placed_[i].mesh->primitives[k];
-      fitted[i].control_points[k].resize(primitive.positions.size());
-      WritePlaces(view_, primitive, pose, {}, 0, 1, fitted[i].control_points[k]);
-    }
-  });
   if (searches.empty()) return fitted;
-  FindWhatMoves(searches);
+  FindWhatMoves(open, searches);
   for (const Candidate& candidate : Candidates()) Try(candidate, searches);
   ChooseBest(searches);
 
@@ -126,38 +123,27 @@ std::vector<FittedMesh> MotionFitter::Fit(const Moment& open, std::vector<std::s
   return fitted;
 }
 
-void MotionFitter::FindWhatMoves(std::span<Search> searches) {
+void MotionFitter::FindWhatMoves(const Moment& open, std::span<Search> searches) {
   std::vector<double> times = CheckTimes({1, 1});
   times.insert(times.begin(), 1.0);
   for (const double t : times) {
     const absl::StatusOr<Moment> moment = MomentAt(t);
     if (!moment.ok()) continue;
     tbb::parallel_for(size_t{0}, searches.size(), [&](size_t i) {
-      FittedMesh& fitted = *searches[i].fitted;
-      if (std::all_of(fitted.moves.begin(), fitted.moves.end(), [](char m) { return m != 0; })) return;
-      const MeshPose pose(scene_, searches[i].placed->node, moment->pose, moment->camera);
-      for (size_t k = 0; k < fitted.moves.size(); ++k) {
-        if (fitted.moves[k]) continue;
-        fitted.moves[k] = AnyVertexMoves(view_, searches[i].Primitive(k), pose, fitted.control_points[k]);
+      const Search& search = searches[i];
+      std::vector<char>& moves = search.fitted->moves;
+      if (std::all_of(moves.begin(), moves.end(), [](char m) { return m != 0; })) return;
+      const MeshPose at_open(scene_, search.placed->node, open.pose, open.camera);
+      const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
+      for (size_t k = 0; k < moves.size(); ++k) {
+        if (!moves[k]) moves[k] = AnyVertexMoves(view_, search.Primitive(k), at_open, pose);
       }
     });
   }
-  tbb::parallel_for(size_t{0}, searches.size(), [&](size_t i) {
-    Search& search = searches[i];
-    search.decided = true;
-    for (size_t k = 0; k < search.fitted->moves.size(); ++k) {
-      if (!search.fitted->moves[k]) continue;
-      search.decided = false;
-      search.used[k] = UsedVertices(search.Primitive(k));
-      const size_t used = size_t(std::count(search.used[k].begin(), search.used[k].end(), 1));
-      const size_t stride = used / kTriedVertices;
-      if (stride < 2) continue;
-      size_t number = 0;
-      for (uint32_t v = 0; v < search.used[k].size(); ++v) {
-        if (search.used[k][v] && number++ % stride == 0) search.tried[k].push_back(v);
-      }
-    }
-  });
+  for (Search& search : searches) {
+    const std::vector<char>& moves = search.fitted->moves;
+    search.decided = std::none_of(moves.begin(), moves.end(), [](char m) { return m != 0; });
+  }
 }
 
 void MotionFitter::Try(const Candidate& candidate, std::span<Search> searches) {
@@ -165,76 +151,86 @@ void MotionFitter::Try(const Candidate& candidate, std::span<Search> searches) {
   for (Search& search : searches) {
     if (!search.decided) left.push_back(&search);
   }
-  // In the last place to look, every representation is measured in full: one of them must do.
+  if (left.empty() || !PoseKnots(candidate, left)) return;
+  // In the last place to look, every representation is measured: one of them must do.
   const bool last = candidate.pieces == Candidates().back().pieces;
   for (const bool all_vertices : {false, true}) {
-    if (left.empty() || !MakeCurves(candidate, all_vertices, left)) return;
-    Measure(candidate, all_vertices, !last, left);
-    std::vector<Search*> good;
+    Check(candidate, all_vertices, !last, left);
+    std::vector<Search*> good, bad;
     for (Search* search : left) {
       if (search->failed) {
-        if (last) search->misses.push_back({candidate, search->worst_excess});
+        bad.push_back(search);
       } else if (all_vertices || search->TriesAll()) {
         search->decided = true;
         search->fitted->degree = candidate.degree;
         search->fitted->pieces = candidate.pieces;
-        for (size_t k = 0; k < search->points.size(); ++k) {
-          if (search->fitted->moves[k]) search->fitted->control_points[k] = std::move(search->points[k]);
-        }
       } else {
         good.push_back(search);
       }
     }
+    if (last && !bad.empty()) {
+      Measure(candidate, all_vertices, bad);
+      for (Search* search : bad) search->misses.push_back({candidate, search->worst_excess});
+    }
     left = std::move(good);
+    if (left.empty()) return;
   }
 }
 
 /// False if the scene cannot be posed at one of the times.
-bool MotionFitter::MakeCurves(const Candidate& candidate, bool all_vertices, std::span<Search*> searches) {
-  const size_t per_vertex = size_t(candidate.degree * candidate.pieces) + 1;
-  for (size_t index = 0; index < per_vertex; ++index) {
-    const absl::StatusOr<Moment> moment = MomentAt(double(index) / double(per_vertex - 1));
+bool MotionFitter::PoseKnots(const Candidate& candidate, std::span<Search*> searches) {
+  for (Search* search : searches) search->knots.clear();
+  const int last = candidate.degree * candidate.pieces;
+  for (int index = 0; index <= last; ++index) {
+    const absl::StatusOr<Moment> moment = MomentAt(double(index) / last);
     if (!moment.ok()) return false;
     tbb::parallel_for(size_t{0}, searches.size(), [&](size_t i) {
-      Search& search = *searches[i];
-      const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
-      for (size_t k = 0; k < search.points.size(); ++k) {
-        if (!search.fitted->moves[k]) continue;
-        const auto& tried = all_vertices ? std::vector<uint32_t>() : search.tried[k];
-        const size_t count = tried.empty() ? search.Primitive(k).positions.size() : tried.size();
-        search.points[k].resize(count * per_vertex);
-        WritePlaces(view_, search.Primitive(k), pose, tried, index, per_vertex, search.points[k]);
-        if (index + 1 == per_vertex) InterpolateAll(candidate.degree, candidate.pieces, search.points[k]);
-      }
+      searches[i]->knots.emplace_back(scene_, searches[i]->placed->node, moment->pose, moment->camera);
     });
   }
   return true;
 }
 
-void MotionFitter::Measure(const Candidate& candidate, bool all_vertices, bool stop_early,
-                           std::span<Search*> searches) {
+/// Finds out which searches' curves are within tolerance at all times. `stop_early`: no more moments are
+/// looked at once all have failed.
+void MotionFitter::Check(const Candidate& candidate, bool all_vertices, bool stop_early,
+                         std::span<Search*> searches) {
+  for (Search* search : searches) search->failed = false;
+  for (const double t : CheckTimes(candidate)) {
+    const bool all_failed =
+        std::all_of(searches.begin(), searches.end(), [](const Search* s) { return s->failed; });
+    if (all_failed && stop_early) return;
+    const absl::StatusOr<Moment> moment = MomentAt(t);
+    if (!moment.ok() || all_failed) continue;
+    tbb::parallel_for(size_t{0}, searches.size(), [&](size_t i) {
+      Search& search = *searches[i];
+      if (search.failed) return;
+      const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
+      for (size_t k = 0; k < search.fitted->moves.size() && !search.failed; ++k) {
+        if (!search.fitted->moves[k]) continue;
+        search.failed =
+            !search.CheckAt(k, view_, candidate, t).IsWithinTolerance(pose, search.Vertices(k, all_vertices));
+      }
+    });
+  }
+}
+
+void MotionFitter::Measure(const Candidate& candidate, bool all_vertices, std::span<Search*> searches) {
   for (Search* search : searches) {
-    search->failed = false;
     search->error = {};
     search->worst_excess = search->error_time = 0;
   }
   for (const double t : CheckTimes(candidate)) {
-    if (stop_early && std::all_of(searches.begin(), searches.end(), [](Search* s) { return s->failed; })) {
-      return;
-    }
     const absl::StatusOr<Moment> moment = MomentAt(t);
     if (!moment.ok()) continue;
     tbb::parallel_for(size_t{0}, searches.size(), [&](size_t i) {
       Search& search = *searches[i];
-      if (stop_early && search.failed) return;
       const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
-      for (size_t k = 0; k < search.points.size(); ++k) {
+      for (size_t k = 0; k < search.fitted->moves.size(); ++k) {
         if (!search.fitted->moves[k]) continue;
-        const auto& tried = all_vertices ? std::vector<uint32_t>() : search.tried[k];
-        const PathError error = LargestPathError(view_, search.Primitive(k), pose, t, candidate.degree,
-                                                 candidate.pieces, search.used[k], tried, search.points[k]);
+        const PathError error =
+            search.CheckAt(k, view_, candidate, t).LargestError(pose, search.Vertices(k, all_vertices));
         search.error.Extend(error);
-        search.failed = search.failed || !error.IsWithinTolerance();
         if (error.Excess() > search.worst_excess) {
           search.worst_excess = error.Excess();
           search.error_time = t;
@@ -258,17 +254,14 @@ void MotionFitter::ChooseBest(std::span<Search> searches) {
     }
     Search* const one[] = {&search};
     std::vector<Search*> only(one, one + 1);
-    if (!MakeCurves(chosen, true, only)) continue;  // Open and close have been posed before.
-    Measure(chosen, true, false, only);
+    if (!PoseKnots(chosen, only)) continue;  // Open and close have been posed before.
+    Measure(chosen, true, only);
     search.decided = true;
     FittedMesh& fitted = *search.fitted;
     fitted.degree = chosen.degree;
     fitted.pieces = chosen.pieces;
     fitted.error = search.error;
     fitted.error_time = search.error_time;
-    for (size_t k = 0; k < search.points.size(); ++k) {
-      if (fitted.moves[k]) fitted.control_points[k] = std::move(search.points[k]);
-    }
   }
 }
 

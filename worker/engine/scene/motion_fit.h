@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -7,6 +9,7 @@
 #include "common/job/render_settings.h"
 #include "worker/engine/scene/motion.h"
 #include "worker/engine/scene/shutter_poses.h"
+#include "worker/engine/scene/vertex_sets.h"
 
 namespace shutterline::engine {
 
@@ -23,14 +26,15 @@ struct FittedMesh {
   /// Of those primitives that move; all of a mesh share them, so that borders between its primitives, which
   /// have equal vertices, stay closed.
   int degree = 0, pieces = 1;
-  /// By primitive of the mesh: control points of all vertices, and whether any moves (else degree 0).
-  std::vector<std::vector<RasterPoint>> control_points;
-  std::vector<char> moves;
+  std::vector<char> moves;  ///< By primitive of the mesh: whether any vertex moves (else degree 0).
   /// Where no representation stays within tolerance (or the settings forbid it): by how much the chosen one
   /// misses the true path, and when.
   PathError error;
   double error_time = 0;
 };
+
+/// Of the primitives of meshes.
+using MeshVertexSets = std::map<const Mesh*, std::shared_ptr<const std::vector<VertexSets>>>;
 
 /// Chooses, for each placed mesh, the least motion that follows its path: no motion, else one curve of degree
 /// 1, 2 or 3 over the shutter, else 2, 4, ... kMaxMotionPieces pieces of these degrees, the first that stays
@@ -44,8 +48,10 @@ struct FittedMesh {
 /// a circle exactly, but not at an even speed, and it would shift what is interpolated over the triangle.
 class MotionFitter {
  public:
+  /// `sets` has those of every mesh that is placed and may move.
   MotionFitter(const Scene& scene, const FrameView& view, const ShutterPoses& shutter,
-               const RenderSettings& settings, std::span<const PlacedMesh> placed);
+               const RenderSettings& settings, std::span<const PlacedMesh> placed,
+               const MeshVertexSets& sets);
 
   /// One a placed mesh; `open` is the moment at shutter open. A moment at which the camera has no orientation
   /// is not looked at, which `warnings` then tell.
@@ -62,10 +68,11 @@ class MotionFitter {
   std::vector<double> CheckTimes(const Candidate& candidate) const;
   absl::StatusOr<Moment> MomentAt(double t);
 
-  void FindWhatMoves(std::span<Search> searches);
+  void FindWhatMoves(const Moment& open, std::span<Search> searches);
   void Try(const Candidate& candidate, std::span<Search> searches);
-  bool MakeCurves(const Candidate& candidate, bool all_vertices, std::span<Search*> searches);
-  void Measure(const Candidate& candidate, bool all_vertices, bool stop_early, std::span<Search*> searches);
+  bool PoseKnots(const Candidate& candidate, std::span<Search*> searches);
+  void Check(const Candidate& candidate, bool all_vertices, bool stop_early, std::span<Search*> searches);
+  void Measure(const Candidate& candidate, bool all_vertices, std::span<Search*> searches);
   void ChooseBest(std::span<Search> searches);
 
   const Scene& scene_;
@@ -73,6 +80,7 @@ class MotionFitter {
   const ShutterPoses& shutter_;
   const RenderSettings& settings_;
   const std::span<const PlacedMesh> placed_;
+  const MeshVertexSets& sets_;
   std::vector<double> key_times_;  ///< Keys, and times half-way between them.
   std::vector<std::string> unposed_;
 };

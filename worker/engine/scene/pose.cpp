@@ -48,20 +48,28 @@ PoseSampler::PoseSampler(const Scene& scene, std::vector<const AnimationChannel*
   for (size_t i = 0; i < count; ++i) {
     if (scene.nodes[i].parent < 0) tops.push_back(int(i));
   }
-  order_ = Preorder(scene, tops);
+  const std::vector<int> order = Preorder(scene, tops);
   moves_.assign(count, 0);
   weights_move_.assign(count, 0);
+  place_in_animated_.assign(count, -1);
   for (const AnimationChannel* channel : channels_) {
     const size_t node = size_t(channel->node);
     if (channel->path == AnimatedPath::kWeights) {
       weights_move_[node] = 1;
-    } else if (!scene.nodes[node].transform.has_matrix) {
-      moves_[node] = 1;
+      continue;
     }
+    if (!scene.nodes[node].transform.has_matrix) moves_[node] = 1;
+    if (place_in_animated_[node] >= 0) continue;
+    place_in_animated_[node] = int(animated_.size());
+    animated_.push_back(channel->node);
   }
-  for (const int node : order_) {
-    const int parent = scene.nodes[size_t(node)].parent;
-    if (parent >= 0 && moves_[size_t(parent)]) moves_[size_t(node)] = 1;
+  rest_.resize(count);
+  for (const int node : order) {
+    const Node& n = scene.nodes[size_t(node)];
+    if (n.parent >= 0 && moves_[size_t(n.parent)]) moves_[size_t(node)] = 1;
+    if (moves_[size_t(node)]) moving_order_.push_back(node);
+    const M44d local = LocalMatrix(n.transform);
+    rest_[size_t(node)] = n.parent < 0 ? local : local * rest_[size_t(n.parent)];
   }
   skin_moves_.assign(scene.skins.size(), 0);
   for (size_t i = 0; i < scene.skins.size(); ++i) {
@@ -72,17 +80,19 @@ PoseSampler::PoseSampler(const Scene& scene, std::vector<const AnimationChannel*
 
 Pose PoseSampler::At(double time) const {
   // Replace what the channels animate in the nodes' own transforms.
-  std::map<int, NodeTransform> animated;
+  std::vector<NodeTransform> transforms;
+  transforms.reserve(animated_.size());
+  for (const int node : animated_) transforms.push_back(scene_.nodes[size_t(node)].transform);
   Pose pose;
+  std::vector<double> value;
   for (const AnimationChannel* channel : channels_) {
-    std::vector<double> value(size_t(channel->width));
+    value.resize(size_t(channel->width));
     SampleChannel(*channel, time, value);
     if (channel->path == AnimatedPath::kWeights) {
-      pose.weights[channel->node] = std::move(value);
+      pose.weights[channel->node] = value;
       continue;
     }
-    NodeTransform& transform =
-        animated.try_emplace(channel->node, scene_.nodes[size_t(channel->node)].transform).first->second;
+    NodeTransform& transform = transforms[size_t(place_in_animated_[size_t(channel->node)])];
     if (channel->path == AnimatedPath::kTranslation) {
       transform.translation = {value[0], value[1], value[2]};
     } else if (channel->path == AnimatedPath::kScale) {
@@ -93,11 +103,11 @@ Pose PoseSampler::At(double time) const {
   }
 
   // Multiply down the trees.
-  pose.world_from_node.resize(scene_.nodes.size());
-  for (const int node : order_) {
+  pose.world_from_node = rest_;
+  for (const int node : moving_order_) {
     const Node& n = scene_.nodes[size_t(node)];
-    const auto found = animated.find(node);
-    const M44d local = LocalMatrix(found == animated.end() ? n.transform : found->second);
+    const int place = place_in_animated_[size_t(node)];
+    const M44d local = LocalMatrix(place < 0 ? n.transform : transforms[size_t(place)]);
     pose.world_from_node[size_t(node)] =
         n.parent < 0 ? local : local * pose.world_from_node[size_t(n.parent)];
   }

@@ -40,11 +40,15 @@ class PoseSampler {
   std::pair<double, double> KeyRange() const;
 
   const Scene& scene() const { return scene_; }
+  const std::vector<const AnimationChannel*>& channels() const { return channels_; }
 
  private:
   const Scene& scene_;
   std::vector<const AnimationChannel*> channels_;
-  std::vector<int> order_;  ///< Nodes, parents before children.
+  std::vector<int> moving_order_;       ///< Nodes that move, parents before children.
+  std::vector<M44d> rest_;              ///< World from node; as it always is for those that do not move.
+  std::vector<int> animated_;           ///< Nodes whose own transforms have channels.
+  std::vector<int> place_in_animated_;  ///< One a node; -1: none.
   std::vector<char> moves_, weights_move_;
   std::vector<char> skin_moves_;  ///< One a skin: one of its joints moves.
 };

@@ -8,6 +8,7 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/scene/mip_pyramid.h"
+#include "worker/engine/scene/shared_facts.h"
 
 /// A scene as a glTF 2.0 file describes it: plain arrays joined by indices, with all keys of all
 /// animations. Immutable once imported, so any number of threads may read it; what a frame needs of it
@@ -157,6 +158,7 @@ struct Scene {
   std::vector<Animation> animations;
   ImportReport report;
   MipPyramidCache mip_pyramids;  ///< Of `images`; made when a frame first needs them.
+  SharedFacts facts;             ///< Of `meshes` and animations, likewise.
 };
 
 }  // namespace shutterline::engine

@@ -36,9 +36,11 @@ Box3d WorldBounds(const Scene& scene, const std::vector<int>& mesh_nodes, const 
       [&](const tbb::blocked_range<size_t>& range, Box3d box) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
           const MeshPose mesh_pose(scene, mesh_nodes[i], pose, CameraPose());
-          const Mesh& mesh = scene.meshes[size_t(scene.nodes[size_t(mesh_nodes[i])].mesh)];
-          for (const MeshPrimitive& primitive : mesh.primitives) {
-            const std::vector<uint8_t> used = UsedVertices(primitive);
+          const size_t mesh = size_t(scene.nodes[size_t(mesh_nodes[i])].mesh);
+          const auto sets = scene.facts.VertexSetsOf(scene.meshes, mesh);
+          for (size_t k = 0; k < sets->size(); ++k) {
+            const MeshPrimitive& primitive = scene.meshes[mesh].primitives[k];
+            const std::vector<uint8_t>& used = (*sets)[k].used;
             for (uint32_t v = 0; v < used.size(); ++v) {
               if (!used[v]) continue;
               const V3d p = mesh_pose.Position(primitive, v);
