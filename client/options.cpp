@@ -107,13 +107,12 @@ std::optional<PatternKind> PatternOfLines(int64_t lines) {
 }
 
 CLI::Option* AddLinesOption(CLI::App& app, RenderSettings& s) {
-  auto* lines = AddValue(app, "--lines", "2|4|8|16|32", "",
-                         "Lines through each pixel: --pattern 1h1v, rgls, 4h4v,\n8h8v or 16h16v",
-                         [&s](const std::string& t) {
-                           int count = 0;
-                           SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, 32), count));
-                           return StoreWord(PatternOfLines(count), s.pattern, "2, 4, 8, 16 or 32");
-                         });
+  auto* lines = AddValue(
+      app, "--lines", "2|4|8|16|32", "",
+      "Lines through each pixel: --pattern 1h1v, rgls, 4h4v,\n8h8v or 16h16v", [&s](const std::string& t) {
+        const absl::StatusOr<int64_t> count = ParseWhole(t, 2, 32);
+        return StoreWord(count.ok() ? PatternOfLines(*count) : std::nullopt, s.pattern, "2, 4, 8, 16 or 32");
+      });
   lines->group("Experiments");
   return lines;
 }

@@ -172,8 +172,8 @@ TEST_F(FarmTest, StatisticsComeWithTheFramesAndAgainWithTheStatus) {
   EXPECT_GT(total["spans"], 0);
   EXPECT_GT(total["thread_seconds"], 0);
 
-  const std::vector<std::string> status = {"status", json["job"]["id"], "--stats", "--server",
-                                           farm_.Address()};
+  const std::vector<std::string> status = {"status", json["job"]["id"].get<std::string>(), "--stats",
+                                           "--server", farm_.Address()};
   const Farm::Ended text = farm_.Client(status);
   EXPECT_EQ(text.status, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("pattern=rgls resolver=slice time_step=2"));
