@@ -55,13 +55,14 @@ double CurveLength(const RasterPoint* control_points, int degree, int pieces) {
 }
 
 /// A bound on how far a piece of a curve is from its chord at equal u: n (n - 1) / 8 times the largest second
-/// difference of its control points, as seen in the raster.
+/// difference of its control points, as seen in the raster. Depth counts too: a surface may come nearer and
+/// go without moving in the picture.
 double ChordPixels(const FrameView& view, const RasterPoint* c, int degree) {
   double largest = 0;
   for (int i = 1; i < degree; ++i) {
     const RasterPoint bend = (c[i + 1] - c[i]) - (c[i] - c[i - 1]);
-    largest =
-        std::max(largest, PathErrorBetween(view, c[i], c[i] + (degree * (degree - 1) / 8.0) * bend).pixels);
+    const PathError off = PathErrorBetween(view, c[i], c[i] + (degree * (degree - 1) / 8.0) * bend);
+    largest = std::max({largest, off.pixels, off.depth * (kChordPixels / kPathDepth)});
   }
   return largest;
 }
