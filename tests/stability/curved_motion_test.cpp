@@ -10,9 +10,13 @@ namespace {
 
 constexpr PatternKind kPatterns[] = {PatternKind::k2h2v, PatternKind::kRgls};
 
-/// Coverage of the pixel (0, 0) by the last primitive of a frame, at `instants` instants a line.
-double LastCoverage(const FrameScene& frame, PatternKind pattern, int instants) {
-  const ResolvedTile resolved(frame, TileRect{0, 0, 32, 32}, LineSettings(pattern, instants));
+using CurvedMotion = EachResolver;
+INSTANTIATE_TEST_SUITE_P(Resolvers, CurvedMotion, testing::Values(ResolverKind::kSlice, ResolverKind::kPaper),
+                         ResolverName);
+
+/// Coverage of the pixel (0, 0) by the last primitive of a frame.
+double LastCoverage(const FrameScene& frame, const RenderSettings& settings) {
+  const ResolvedTile resolved(frame, TileRect{0, 0, 32, 32}, settings);
   const FramePrimitive& last = frame.primitives.back();
   double sum = 0;
   for (uint32_t i = 0; i < last.triangle_count; ++i) sum += resolved.Coverage(0, 0, last.first_triangle + i);
@@ -35,7 +39,7 @@ std::shared_ptr<const FrameScene> Frame(const std::array<std::vector<RasterPoint
   return builder.Build();
 }
 
-TEST(CurvedMotion, Row17QuadraticMotionInOneShutter) {
+TEST_P(CurvedMotion, Row17QuadraticMotionInOneShutter) {
   // Depth 1 − (2t − 1)² against ¾: nearer for half of the shutter. Its middle control point has depth 2,
   // beyond the near plane, where the surface never is.
   const auto corner = [](double x, double y) -> std::vector<RasterPoint> {
@@ -43,18 +47,20 @@ TEST(CurvedMotion, Row17QuadraticMotionInOneShutter) {
   };
   const auto frame = Frame({corner(-1, -1), corner(-1, 2), corner(2, 2), corner(2, -1)}, 2, 1, true);
   for (const PatternKind pattern : kPatterns) {
-    for (const int n : {16, 256, 4096}) EXPECT_NEAR(LastCoverage(*frame, pattern, n), 0.5, 2.0 / n) << n;
+    for (const int n : {16, 256, 4096})
+      EXPECT_NEAR(LastCoverage(*frame, With(pattern, n)), 0.5, 2.0 / n) << n;
   }
 }
 
-TEST(CurvedMotion, Row30ThreeKeysInOneShutter) {
+TEST_P(CurvedMotion, Row30ThreeKeysInOneShutter) {
   // X = 1 − |2t − 1|, the right edge of a region: two straight pieces that meet at the key.
   const std::vector<RasterPoint> low_left(3, At(-5, -50)), high_left(3, At(-5, 50));
   const auto frame =
       Frame({low_left, high_left, {At(0, 50), At(1, 50), At(0, 50)}, {At(0, -50), At(1, -50), At(0, -50)}}, 1,
             2, false);
   for (const PatternKind pattern : kPatterns) {
-    for (const int n : {16, 256, 4096}) EXPECT_NEAR(LastCoverage(*frame, pattern, n), 0.5, 1.0 / n) << n;
+    for (const int n : {16, 256, 4096})
+      EXPECT_NEAR(LastCoverage(*frame, With(pattern, n)), 0.5, 1.0 / n) << n;
   }
 }
 
@@ -87,24 +93,26 @@ std::shared_ptr<const FrameScene> Imported(std::vector<float> times, std::vector
   return *frame;
 }
 
-TEST(CurvedMotion, Row17FromKeys) {
+TEST_P(CurvedMotion, Row17FromKeys) {
   // z = −4 (2t − 1)²: value −4 and slope ±16 at the ends; depth 1 − (2t − 1)².
   const auto frame =
       Imported({0, 1}, {0, 0, 0.75f, -4, 0, 16, 0, -16, 0.75f, -4, 0, 0}, Interpolation::kCubicSpline, true);
   EXPECT_EQ(frame->primitives[1].degree, 2);
   EXPECT_EQ(frame->primitives[1].pieces, 1);
-  for (const PatternKind pattern : kPatterns) EXPECT_NEAR(LastCoverage(*frame, pattern, 4096), 0.5, 1e-3);
+  for (const PatternKind pattern : kPatterns)
+    EXPECT_NEAR(LastCoverage(*frame, With(pattern, 4096)), 0.5, 1e-3);
 }
 
-TEST(CurvedMotion, Row30FromKeys) {
+TEST_P(CurvedMotion, Row30FromKeys) {
   // Half a metre is a pixel.
   const auto frame = Imported({0, 0.5f, 1}, {0, -1, 0.5f, -1, 0, -1}, Interpolation::kLinear, false);
   EXPECT_EQ(frame->primitives[1].degree, 1);
   EXPECT_EQ(frame->primitives[1].pieces, 2);
-  for (const PatternKind pattern : kPatterns) EXPECT_NEAR(LastCoverage(*frame, pattern, 4096), 0.5, 1e-3);
+  for (const PatternKind pattern : kPatterns)
+    EXPECT_NEAR(LastCoverage(*frame, With(pattern, 4096)), 0.5, 1e-3);
 }
 
-TEST(CurvedMotion, ClosedMeshesOnCurvesCoverExactly) {
+TEST_P(CurvedMotion, ClosedMeshesOnCurvesCoverExactly) {
   // A square cut into a fan of triangles about an inner vertex, all on random curves, whose border stands
   // still and holds the pixel: whatever the inside does, the weights add up to one, to the last bit.
   for (unsigned seed = 0; seed < 64; ++seed) {
@@ -122,8 +130,7 @@ TEST(CurvedMotion, ClosedMeshesOnCurvesCoverExactly) {
     add(-8, -8, 0), add(24, -8, 0), add(24, 24, 0), add(-8, 24, 0), add(7, 9, 8);
     FrameSceneBuilder builder(OrthographicView(32, 32));
     builder.AddCurvedMesh(points, degree, pieces, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
-    const ResolvedTile resolved(*builder.Build(), TileRect{0, 0, 16, 16},
-                                LineSettings(kPatterns[seed % 2], 16));
+    const ResolvedTile resolved(*builder.Build(), TileRect{0, 0, 16, 16}, With(kPatterns[seed % 2], 16));
     for (int y = 0; y < 16; ++y) {
       for (int x = 0; x < 16; ++x) ASSERT_EQ(resolved.Covered(x, y), resolved.total()) << x << ", " << y;
     }

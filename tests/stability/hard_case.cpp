@@ -66,15 +66,15 @@ Answer Resolve(const Case& c, PatternKind pattern, int instants, const Variant& 
   return Resolve(c, LineSettings(pattern, instants), variant);
 }
 
-Answer Resolve(const Case& c, const RenderSettings& settings, const Variant& variant) {
-  FrameView view = OrthographicView(64, 64);
+std::shared_ptr<const FrameScene> FrameOf(const Case& c, const Variant& variant, const FrameView& view,
+                                          const std::vector<V3f>& colors) {
   FrameSceneBuilder builder(view);
-  for (const MovingTriangle& triangle : c.triangles) {
+  for (size_t k = 0; k < c.triangles.size(); ++k) {
     std::array<RasterPoint, 3> open;
     std::array<RasterPoint, 3> close;
-    for (int i = 0; i < 3; ++i) {
-      open[size_t(i)] = Changed(triangle.open[size_t(i)], variant);
-      close[size_t(i)] = Changed(triangle.close[size_t(i)], variant);
+    for (size_t i = 0; i < 3; ++i) {
+      open[i] = Changed(c.triangles[k].open[i], variant);
+      close[i] = Changed(c.triangles[k].close[i], variant);
     }
     // Mirroring and exchanging axes turn a triangle over: keep the side that is seen.
     if (variant.mirror != variant.swap) {
@@ -82,10 +82,17 @@ Answer Resolve(const Case& c, const RenderSettings& settings, const Variant& var
       std::swap(close[1], close[2]);
     }
     if (variant.reverse) std::swap(open, close);
-    builder.AddRasterTriangle(open, close, FlatLook{.double_sided = c.double_sided});
+    FlatLook look{.double_sided = c.double_sided};
+    if (!colors.empty()) look.color = colors[k];
+    builder.AddRasterTriangle(open, close, look);
   }
+  return builder.Build();
+}
+
+Answer Resolve(const Case& c, const RenderSettings& settings, const Variant& variant) {
+  const auto frame = FrameOf(c, variant, OrthographicView(64, 64));
   const TileRect tile{0, 0, 32, 32};
-  const ResolvedTile resolved(*builder.Build(), tile, settings);
+  const ResolvedTile resolved(*frame, tile, settings);
   Answer answer;
   for (uint32_t i = 0; i < c.triangles.size(); ++i) {
     answer.coverage.push_back(resolved.Coverage(variant.dx, variant.dy, i));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,11 @@ void AddRectangle(Case& c, double x0, double y0, double x1, double y1, double vx
 /// covers over the shutter.
 Case Sliding(double x0, double a, double v);
 double SlidingRectangle(double x0, double a, double v);
+
+/// The case under a variant, with a tile of room around the pixel. Triangle i has the colour colors[i], or
+/// white where there are none.
+std::shared_ptr<const FrameScene> FrameOf(const Case& c, const Variant& variant, const FrameView& view,
+                                          const std::vector<V3f>& colors = {});
 
 /// Coverage of the pixel, per triangle and in sum.
 struct Answer {

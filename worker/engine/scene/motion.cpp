@@ -82,16 +82,18 @@ double CurveLength(const RasterPoint* control_points, int degree, int pieces, do
 }
 
 /// A bound on how far a piece of a curve is from its chord at equal u: n (n - 1) / 8 times the largest second
-/// difference of its control points, as seen in the raster.
-/// Or anything that is not above `least`, if it is not.
+/// difference of its control points, as seen in the raster. Depth counts too: a surface may come nearer and
+/// go without moving in the picture. Or anything that is not above `least`, if it is not.
 double ChordPixels(const FrameView& view, const RasterPoint* c, int degree, double least) {
   double largest = 0;
   for (int i = 1; i < degree; ++i) {
     const RasterPoint bend = (c[i + 1] - c[i]) - (c[i] - c[i - 1]);
     const RasterPoint bent = c[i] + (degree * (degree - 1) / 8.0) * bend;
     const RasterPoint both[] = {c[i], bent};
-    if (Enlarged(ApproximateLength(both, 2)) <= least) continue;
-    largest = std::max(largest, PathErrorBetween(view, c[i], bent).pixels);
+    const bool keeps_depth = bend.z == 0 && bend.w == 0;
+    if (keeps_depth && Enlarged(ApproximateLength(both, 2)) <= least) continue;
+    const PathError off = PathErrorBetween(view, c[i], bent);
+    largest = std::max({largest, off.pixels, off.depth * (kChordPixels / kPathDepth)});
   }
   return largest;
 }

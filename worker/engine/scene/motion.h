@@ -15,7 +15,8 @@ namespace shutterline::engine {
 struct ControlPointFacts {
   bool all_usable = true;    ///< See IsUsable.
   double motion_pixels = 0;  ///< See FramePrimitive.
-  double chord_pixels = 0;   ///< Of single chords of the pieces; see LinearPiecesFor.
+  /// Of single chords of the pieces, depth counted so that kPathDepth is kChordPixels; see LinearPiecesFor.
+  double chord_pixels = 0;
 };
 
 /// Finite, and not so large that products of a few coordinates overflow (kMaxCoordinate).
