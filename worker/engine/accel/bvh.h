@@ -12,8 +12,8 @@
 namespace shutterline::engine {
 
 /// A bounding volume hierarchy over the triangles of a frame, each bounded over the shutter by the hull of
-/// its control points, or, where its motion is long, over several spans of it (SpansFor). Answers which triangles
-/// a tile may see. Immutable once built; any number of threads may query it.
+/// its control points, or, where its motion is long, over several spans of it (SpansFor). Answers which
+/// triangles a tile may see. Immutable once built; any number of threads may query it.
 class Bvh {
  public:
   virtual ~Bvh() = default;
