@@ -9,6 +9,12 @@
 namespace shutterline::bench {
 namespace {
 
+/// Settings that come with a method which this build may not have.
+template <typename Settings>
+void SetTargetError(Settings& settings, double error) {
+  if constexpr (requires { settings.target_error; }) settings.target_error = error;
+}
+
 /// Lines with a pinned number of instants.
 Rung Lines(PatternKind pattern, int instants, ResolverKind resolver) {
   return {absl::StrCat(std::string(ToString(pattern)), ", ", instants, " instants"), [=](RenderSettings& s) {
@@ -16,6 +22,15 @@ Rung Lines(PatternKind pattern, int instants, ResolverKind resolver) {
             s.resolver = resolver;
             s.pattern = pattern;
             s.time_samples = instants;
+          }};
+}
+
+/// As fine as an error asks for.
+Rung Target(double error) {
+  return {absl::StrCat("error ", error), [=](RenderSettings& s) {
+            s.integrator = IntegratorKind::kLine;
+            s.resolver = ResolverKind::kSlice;
+            SetTargetError(s, error);
           }};
 }
 
@@ -30,19 +45,17 @@ Contender Slice(bool quick) {
   Contender slice{
       .name = "line/slice", .color = PlotColors()[0], .ours = true, .random = false, .ladder = {}};
   const ResolverKind kind = ResolverKind::kSlice;
-  slice.ladder.push_back(Lines(PatternKind::k1h1v, 4, kind));
-  slice.ladder.push_back(Lines(PatternKind::k1h1v, 16, kind));
-  slice.ladder.push_back(Lines(PatternKind::kRgls, 8, kind));
-  if (!quick) slice.ladder.push_back(Lines(PatternKind::kRgls, 16, kind));
-  slice.ladder.push_back(Lines(PatternKind::kRgls, 32, kind));
+  // Few lines at many instants are the best of few samples; more lines serve what stands still.
+  for (const int instants : {4, 8, 16}) slice.ladder.push_back(Lines(PatternKind::k1h1v, instants, kind));
+  for (const double error : {0.01, 0.005}) slice.ladder.push_back(Target(error));
   slice.default_rung = int(slice.ladder.size());
   slice.ladder.push_back(Defaults(kind));
-  slice.ladder.push_back(Lines(PatternKind::k4h4v, 32, kind));
+  slice.ladder.push_back(Target(0.00125));
+  slice.ladder.push_back(Lines(PatternKind::k4h4v, 16, kind));
   if (!quick) slice.ladder.push_back(Lines(PatternKind::k4h4v, 128, kind));
   return slice;
 }
 
-/// Settings that come with a method which this build may not have.
 template <typename Settings>
 void SetTimeCells(Settings& settings, int cells) {
   if constexpr (requires { settings.time_cells; }) settings.time_cells = cells;
