@@ -4,92 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <random>
 
-#include "tests/scenes/scene_generators.h"
+#include "tests/stability/invariance.h"
 #include "tests/support/engine_frame.h"
 #include "tests/support/frame_scene_builder.h"
-#include "tests/support/render_tiles.h"
 #include "tests/support/resolved_tile.h"
-#include "worker/engine/render/line_integrator.h"
-#include "worker/engine/render/tile_integrator.h"
 
 namespace shutterline::engine {
 namespace {
 
+using namespace invariance;
+
 constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
                                         PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls};
-
-RenderSettings Small(int width = 70, int height = 45) {
-  RenderSettings settings;
-  settings.width = width;
-  settings.height = height;
-  return settings;
-}
-
-Image Render(std::shared_ptr<const Scene> scene, const RenderSettings& settings, int threads = 1,
-             int tile_size = kTileSize) {
-  auto frame = RenderFrame(std::move(scene), 0, settings, {.threads = threads, .tile_size = tile_size});
-  EXPECT_TRUE(frame.ok()) << frame.status();
-  return frame.ok() ? std::move(frame->image) : Image();
-}
-
-Image Render(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings) {
-  auto integrator = MakeTileIntegrator(frame, 0, settings, 1);
-  EXPECT_TRUE(integrator.ok()) << integrator.status();
-  return RenderTiles(**integrator, settings.width, settings.height);
-}
-
-double LargestDifference(const Image& a, const Image& b) {
-  EXPECT_EQ(a.values().size(), b.values().size());
-  double largest = 0;
-  for (size_t i = 0; i < a.values().size(); ++i) {
-    EXPECT_TRUE(std::isfinite(a.values()[i]));
-    largest = std::max(largest, double(std::abs(a.values()[i] - b.values()[i])));
-  }
-  return largest;
-}
-
-/// Some triangles in view, moving or not, of several unlit colours.
-struct Soup {
-  std::vector<std::array<V3d, 3>> open, close;
-  std::vector<V3f> colors;
-};
-
-Soup RandomSoup(uint64_t seed, int count, double speed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  Soup soup;
-  for (int i = 0; i < count; ++i) {
-    const V3d center(1.5 * unit(random), unit(random), -4 + 2 * unit(random));
-    const V3d velocity(speed * unit(random), speed * unit(random), speed * unit(random));
-    std::array<V3d, 3> open;
-    std::array<V3d, 3> close;
-    for (size_t k = 0; k < 3; ++k) {
-      open[k] = center + V3d(unit(random), unit(random), unit(random)) * 0.4;
-      close[k] = open[k] + velocity + V3d(unit(random), unit(random), unit(random)) * (speed / 4);
-    }
-    soup.open.push_back(open);
-    soup.close.push_back(close);
-    soup.colors.push_back(V3f(float(0.5 + 0.5 * unit(random)), float(0.5 + 0.5 * unit(random)), 0.25f));
-  }
-  return soup;
-}
-
-std::shared_ptr<const FrameScene> Build(const Soup& soup, const std::vector<size_t>& order,
-                                        const FrameView& view) {
-  FrameSceneBuilder builder(view);
-  for (const size_t i : order)
-    builder.AddViewTriangle(soup.open[i], soup.close[i], {.color = soup.colors[i]});
-  return builder.Build();
-}
-
-std::vector<size_t> InOrder(size_t count) {
-  std::vector<size_t> order(count);
-  std::iota(order.begin(), order.end(), size_t{0});
-  return order;
-}
 
 TEST(Invariance, Row25ZeroMotionIsBitEqualForAllInstants) {
   const Soup soup = RandomSoup(1, 60, 0);
@@ -137,59 +65,28 @@ TEST(Invariance, TilePartitionDoesNotMatter) {
   EXPECT_LE(LargestDifference(Render(scene, settings, 1, 150), Render(scene, settings, 1, 32)), 1e-6);
 }
 
-/// The largest and the root mean square difference of `a` at (x, y) from `b` at where(x, y).
-template <typename Where>
-std::pair<double, double> Differences(const Image& a, const Image& b, const Where& where) {
-  double largest = 0;
-  double sum = 0;
-  for (int y = 0; y < a.height(); ++y) {
-    for (int x = 0; x < a.width(); ++x) {
-      const auto [bx, by] = where(x, y);
-      for (int c = 0; c < 4; ++c) {
-        const double difference = std::abs(double(a.At(x, y)[c]) - double(b.At(bx, by)[c]));
-        largest = std::max(largest, difference);
-        sum += difference * difference;
-      }
-    }
-  }
-  return {largest, std::sqrt(sum / double(a.values().size()))};
-}
-
 TEST(Invariance, Row28MirroredAndExchangedAxes) {
   // Patterns of horizontal and vertical lines are symmetric themselves: what stands still is equal up to
   // the rounding of mirrored coordinates, and what moves up to the instants that lines trade. rgls is not
   // symmetric: it is held to the error of its lines, in the mean over the frame.
   constexpr int kSide = 48;
   const FrameView view = PerspectiveView(kSide, kSide);
-  const auto mirror = [](int x, int y) { return std::pair(kSide - 1 - x, y); };
-  const auto exchange = [](int x, int y) { return std::pair(y, x); };
   for (const double speed : {0.0, 0.3}) {
     const Soup soup = RandomSoup(3, 40, speed);
-    Soup mirrored = soup;
-    Soup exchanged = soup;
-    for (size_t i = 0; i < 40; ++i) {
-      for (size_t k = 0; k < 3; ++k) {
-        for (V3d* p : {&mirrored.open[i][k], &mirrored.close[i][k]}) p->x = -p->x;
-        for (V3d* p : {&exchanged.open[i][k], &exchanged.close[i][k]}) *p = V3d(-p->y, -p->x, p->z);
-      }
-    }
     for (const PatternKind pattern : kAllPatterns) {
       SCOPED_TRACE(testing::Message() << ToString(pattern) << ", speed " << speed);
       RenderSettings settings = Small(kSide, kSide);
       settings.pattern = pattern;
       settings.time_samples = 64;
-      const Image straight = Render(Build(soup, InOrder(40), view), settings);
-      const auto by_mirror =
-          Differences(straight, Render(Build(mirrored, InOrder(40), view), settings), mirror);
-      const auto by_exchange =
-          Differences(straight, Render(Build(exchanged, InOrder(40), view), settings), exchange);
-      if (pattern == PatternKind::kRgls) {
-        EXPECT_LE(by_mirror.second, 0.02);
-        EXPECT_LE(by_exchange.second, 0.02);
-      } else {
-        const double bound = speed == 0 ? 1e-5 : 1.0 / 64;
-        EXPECT_LE(by_mirror.first, bound);
-        EXPECT_LE(by_exchange.first, bound);
+      const auto render = [&](const Soup& s) { return Render(Build(s, InOrder(40), view), settings); };
+      const Image straight = render(soup);
+      for (const Difference& d : {AgainstMirrored(straight, render(soup.Mirrored())),
+                                  AgainstExchanged(straight, render(soup.Exchanged()))}) {
+        if (pattern == PatternKind::kRgls) {
+          EXPECT_LE(d.rms, 0.02);
+        } else {
+          EXPECT_LE(d.largest, speed == 0 ? 1e-5 : 1.0 / 64);
+        }
       }
     }
   }
@@ -197,8 +94,7 @@ TEST(Invariance, Row28MirroredAndExchangedAxes) {
 
 TEST(Invariance, Row28TimeReversal) {
   const Soup soup = RandomSoup(4, 40, 0.3);
-  Soup reversed = soup;
-  std::swap(reversed.open, reversed.close);
+  const Soup reversed = soup.Reversed();
   const FrameView view = PerspectiveView(70, 45);
   double last = 1;
   for (const int n : {16, 64, 256}) {
@@ -210,27 +106,6 @@ TEST(Invariance, Row28TimeReversal) {
     last = difference;
   }
   EXPECT_LE(last, 0.004);
-}
-
-/// The scene with every node below a new root, and its camera, moved and scaled.
-std::shared_ptr<const Scene> Moved(const Scene& scene, const V3d& offset, double scale) {
-  auto moved = std::make_shared<Scene>(scene);
-  Node root;
-  root.name = "moved";
-  root.transform.translation = offset;
-  root.transform.scale = V3d(scale, scale, scale);
-  const int index = int(moved->nodes.size());
-  for (const int child : moved->roots) {
-    moved->nodes[size_t(child)].parent = index;
-    root.children.push_back(child);
-  }
-  moved->nodes.push_back(root);
-  moved->roots = {index};
-  for (Camera& camera : moved->cameras) {
-    camera.znear *= scale;
-    camera.zfar *= scale;
-  }
-  return moved;
 }
 
 TEST(Invariance, Row31FarFromTheOrigin) {
@@ -262,20 +137,7 @@ TEST(Invariance, Row33VerticesThatAreNotFinite) {
   const Image whole = Render(scene, settings);
   // A mesh whose vertices are not finite, in front of everything.
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    auto broken = std::make_shared<Scene>(*scene);
-    MeshPrimitive primitive;
-    primitive.positions = {V3f(0, 0, 0), V3f(bad, 1, 0), V3f(1, 0, bad), V3f(3, 3, 3)};
-    primitive.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 2, 3}};
-    primitive.material = int(broken->materials.size()) - 1;
-    Mesh mesh;
-    mesh.name = "broken";
-    mesh.primitives = {primitive};
-    Node node;
-    node.name = "broken";
-    node.mesh = int(broken->meshes.size());
-    broken->meshes.push_back(mesh);
-    broken->roots.push_back(int(broken->nodes.size()));
-    broken->nodes.push_back(node);
+    const auto broken = WithBrokenMesh(*scene, bad);
     const auto frame = BuildFrameScene(broken, 0, settings);
     ASSERT_TRUE(frame.ok()) << frame.status();
     EXPECT_EQ((*frame)->dropped_triangles, 3);

@@ -37,7 +37,7 @@ std::optional<paper::PatchSight> Truth(const TileTriangles& tile, const SegmentL
 }  // namespace
 
 PatchAccuracy MeasurePatches(const FrameScene& frame, PatternKind pattern_kind, const paper::Options& options,
-                             int samples_per_line, uint64_t seed) {
+                             int samples_per_line, uint64_t seed, int stride) {
   const LinePattern& pattern = LinePattern::Get(pattern_kind);
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame.primitives) {
@@ -53,8 +53,10 @@ PatchAccuracy MeasurePatches(const FrameScene& frame, PatternKind pattern_kind, 
   double low = std::numeric_limits<double>::infinity();
   double high = 0;
   RenderStats stats;
+  int number = 0;
   for (int y = 0; y < frame.view.height; y += kTileSize) {
     for (int x = 0; x < frame.view.width; x += kTileSize) {
+      if (number++ % stride != 0) continue;
       const TileRect rect{x, y, std::min(kTileSize, frame.view.width - x),
                           std::min(kTileSize, frame.view.height - y)};
       TileTriangles tile;
@@ -64,13 +66,15 @@ PatchAccuracy MeasurePatches(const FrameScene& frame, PatternKind pattern_kind, 
       paper::LinePatches patches(pattern, tile, options, stats);
       for (const TileLine& line : pattern.LinesIn(rect)) {
         patches.Gather(line, candidates);
-        if (!patches.moves()) continue;
         for (int i = 0; i < samples_per_line; ++i) {
           const double l = line.first_step + unit(random) * (line.end_step - line.first_step);
           const double t = unit(random);
           const auto seen = patches.SeeAt(l, t);
           const auto truth = Truth(tile, patches.line(), line.family, line.number, l, t);
-          if (!seen && !truth) continue;
+          ++accuracy.points;
+          accuracy.agreeing +=
+              seen.has_value() == truth.has_value() && (!seen || seen->triangle == truth->triangle);
+          if (!patches.moves() || (!seen && !truth)) continue;
           ++accuracy.samples;
           if (!seen || !truth) continue;
           accuracy.same_triangle += seen->triangle == truth->triangle;

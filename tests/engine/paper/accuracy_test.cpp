@@ -29,11 +29,25 @@ TEST(PatchAccuracy, OfWhatMoves) {
     EXPECT_GT(by_default.samples, 1000);
     // Published, for whole pictures of one scene: 0.9982 without refinement, 0.9995 with three. Here only
     // lines on which something moves are counted, and debris is small triangles that tumble by many pixels.
-    EXPECT_GE(by_default.DepthWithin(), 0.95) << name;
-    EXPECT_GE(by_default.SameTriangle(), 0.95) << name;
+    EXPECT_GE(by_default.DepthWithin(), 0.985) << name;
+    EXPECT_GE(by_default.SameTriangle(), 0.99) << name;
     EXPECT_GE(fine.DepthWithin(), 0.999) << name;
-    EXPECT_GE(fine.SameTriangle(), 0.998) << name;
+    // Motion on curves is taken straight within 0.01 px, which here is a few thousandths of a triangle.
+    EXPECT_GE(fine.SameTriangle(), 0.9975) << name;
   }
+}
+
+TEST(PatchAccuracy, AtTheSizeOfTheReport) {
+  // The scene that asks most of outlines, at 1024 × 768: the right triangle at 99.9 % of all points on lines.
+  const auto scene = LoadTestScene("debris");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto frame = BuildFrameScene(*scene, 0, RenderSettings());
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  const PatchAccuracy accuracy = MeasurePatches(**frame, PatternKind::kRgls, {}, 20, 1, 43);
+  std::printf("debris: %lld points, %.5f agree; of those that move %.5f show the same triangle\n",
+              static_cast<long long>(accuracy.points), accuracy.Agreement(), accuracy.SameTriangle());
+  EXPECT_GT(accuracy.points, 50000);
+  EXPECT_GE(accuracy.Agreement(), 0.999);
 }
 
 }  // namespace
