@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/job/tile.h"
 #include "tests/support/frame_scene_builder.h"
 
 namespace shutterline::engine {
