@@ -8,12 +8,22 @@ namespace {
 
 /// The picture's error at N samples a pixel is taken as kTimeShare · d · (N₀/N)^kTimeSlope, d being the
 /// difference of the halves of a pilot of N₀ samples.
-constexpr double kTimeShare = 0.2;
+constexpr double kTimeShare = 0.25;
 constexpr double kTimeSlope = 1.2;
-/// The error of a pattern's lines is taken as kSpaceShare · d. That of `4h4v` is less than a third of that of
-/// `rgls`.
-constexpr double kSpaceShare = 0.25;
-constexpr double kFinerLines = 3;
+/// What lines in space alone leave is taken as kSpaceShare · d with one horizontal and one vertical line a
+/// pixel, d being the difference of the two, and as kFinerShare of that with twice as many.
+constexpr double kSpaceShare = 0.2;
+constexpr double kFinerShare = 0.36;
+/// Patterns of even lines, and how many samples a pixel, split over lines and instants, are well spent on
+/// each: with more, the lines that lie between are worth more than the instants that do.
+struct EvenPattern {
+  PatternKind kind;
+  double most_samples;
+};
+constexpr EvenPattern kEvenPatterns[] = {{PatternKind::k1h1v, 40},
+                                         {PatternKind::k2h2v, 128},
+                                         {PatternKind::k4h4v, 512},
+                                         {PatternKind::k8h8v, 1e18}};
 
 /// Between two of a pilot's instants things move by at most so many pixels, half a tile: what crosses a tile
 /// is seen in it.
@@ -37,43 +47,42 @@ EffortChooser::EffortChooser(const RenderSettings& settings)
 
 Effort EffortChooser::Choose(TileStrata& strata, ColorFilm* film, Workspace& work, RenderStats& stats) const {
   const bool can_measure = target_error_ > 0 && film != nullptr && film->CanGuess();
-  if (strata.moves()) {
-    if (can_measure) return ChooseMoving(strata, *film, work, stats);
-    return {&pattern_, by_motion_.InstantsFor(strata.motion_pixels())};
-  }
-  if (can_measure && pattern_is_free_) return ChooseStill(strata, *film, work, stats);
-  return {&pattern_, 1};
+  if (can_measure && (strata.moves() || pattern_is_free_)) return Measure(strata, *film, work, stats);
+  return {&pattern_, strata.moves() ? by_motion_.InstantsFor(strata.motion_pixels()) : 1};
 }
 
-Effort EffortChooser::ChooseMoving(TileStrata& strata, ColorFilm& film, Workspace& work,
-                                   RenderStats& stats) const {
+Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, Workspace& work,
+                              RenderStats& stats) const {
   const double motion = strata.motion_pixels();
-  const int64_t most = at_most_.InstantsFor(motion);
-  const auto pilot_step = int64_t(std::ceil(motion / (2 * kPilotStepPixels * 4)));
-  const int64_t pilot = std::max(kLeastPilot, 4 * pilot_step);
-  if (pilot >= most) return {&pattern_, most};
-  const EffortPilot::Findings found = work.pilot.OverTime(
-      strata, work.lines.In(pattern_, strata.mesh().rect()), pilot, work.colors, film, stats);
+  const int64_t most = strata.moves() ? at_most_.InstantsFor(motion) : 1;
+  const auto pilot_step = int64_t(std::ceil(motion / (2 * kPilotStepPixels * kLeastPilot)));
+  const int64_t pilot = strata.moves() ? std::max(kLeastPilot, kLeastPilot * pilot_step) : 1;
+  if (strata.moves() && pilot >= most) return {&pattern_, most};
+
+  const LinePattern& single = LinePattern::Get(PatternKind::k1h1v);
+  const EffortPilot::Findings found =
+      work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()), pilot, work.colors, film, stats);
   const double samples =
-      double(found.samples) * std::pow(kTimeShare * found.difference / target_error_, 1 / kTimeSlope);
-  int64_t instants = kLeastInstants;
-  if (samples > 0) {
-    instants = std::max(instants, int64_t(std::ceil(std::min(samples / pattern_.StepsPerPixel(), 1e9))));
-  }
+      double(found.samples) * std::pow(kTimeShare * found.time_difference / target_error_, 1 / kTimeSlope);
+  const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;
+  if (!strata.moves()) return {&pattern, 1};
+
+  auto instants = int64_t(std::ceil(std::min(samples / pattern.StepsPerPixel(), 1e9)));
+  instants = std::max(instants, kLeastInstants);
   // A texture that moves is blurred only as finely as time is cut.
   if (found.textured_motion_pixels > 0) {
     instants = std::max(instants, by_motion_.InstantsFor(found.textured_motion_pixels));
   }
-  return {&pattern_, std::min(instants, most)};
+  return {&pattern, std::min(instants, most)};
 }
 
-Effort EffortChooser::ChooseStill(TileStrata& strata, ColorFilm& film, Workspace& work,
-                                  RenderStats& stats) const {
-  const EffortPilot::Findings found =
-      work.pilot.OverSpace(strata, work.lines.In(pattern_, strata.mesh().rect()), work.colors, film, stats);
-  if (kSpaceShare * found.difference <= target_error_) return {&pattern_, 1};
-  const bool is_far = kSpaceShare * found.difference > kFinerLines * target_error_;
-  return {&LinePattern::Get(is_far ? PatternKind::k8h8v : PatternKind::k4h4v), 1};
+const LinePattern& EffortChooser::PatternFor(double space_difference, double samples) const {
+  double error = kSpaceShare * space_difference;
+  for (const EvenPattern& pattern : kEvenPatterns) {
+    if (error <= target_error_ && samples <= pattern.most_samples) return LinePattern::Get(pattern.kind);
+    error *= kFinerShare;
+  }
+  return LinePattern::Get(PatternKind::k8h8v);
 }
 
 }  // namespace shutterline::engine

@@ -37,8 +37,8 @@ class EffortChooser {
   Effort Choose(TileStrata& strata, ColorFilm* film, Workspace& work, RenderStats& stats) const;
 
  private:
-  Effort ChooseMoving(TileStrata& strata, ColorFilm& film, Workspace& work, RenderStats& stats) const;
-  Effort ChooseStill(TileStrata& strata, ColorFilm& film, Workspace& work, RenderStats& stats) const;
+  Effort Measure(TileStrata& strata, ColorFilm& film, Workspace& work, RenderStats& stats) const;
+  const LinePattern& PatternFor(double space_difference, double samples) const;
 
   const LinePattern& pattern_;
   bool pattern_is_free_;

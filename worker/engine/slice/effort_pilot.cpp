@@ -7,32 +7,48 @@
 #include "worker/engine/visibility/time_samples.h"
 
 namespace shutterline::engine {
+namespace {
 
-EffortPilot::Findings EffortPilot::OverTime(TileStrata& strata, const std::vector<LineClass>& classes,
-                                            int64_t instants, TileColors& colors, ColorFilm& film,
-                                            RenderStats& stats) {
-  // The first class of the first family and the last one of the last.
-  const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
-  film.Reset(strata.mesh().rect().Area());
+/// Where only time makes a difference, the mean square of the families' difference is about so many times
+/// that of the halves': their instants lie half a step apart.
+constexpr double kTimeInSpace = 2;
+
+}  // namespace
+
+EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<LineClass>& classes,
+                                       int64_t instants, TileColors& colors, ColorFilm& film,
+                                       RenderStats& stats) {
   colors.BeginGuessing(strata.mesh(), film);
-  for (const bool second : {false, true}) {
-    if (second) EndFirstHalf(film);
-    for (size_t c = 0; c < lines.size(); ++c) {
-      instants_.clear();
-      for (int64_t i = 0; i < instants; ++i) {
-        const bool is_inner = i % 4 == 1 || i % 4 == 2;
-        if (is_inner != second) continue;
-        instants_.push_back(TimeSamples::InstantAt(i, instants, c == 0 ? 0.25 : 0.75));
-      }
-      Resolve(strata, *lines[c], colors, stats);
+  const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
+  const bool moves = instants > 1;
+  for (size_t f = 0; f < 2; ++f) {
+    const double offset = f == 0 ? 0.25 : 0.75;
+    for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
+      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, stats, parts_[f][half]);
     }
   }
-  const auto samples = int64_t(lines.size()) * instants;
-  Findings findings{.difference = Difference(film, double(samples / 2) * double(kSubpixelsPerPixel)),
-                    .samples = samples};
-  for (size_t i = 0; i < strata.mesh().triangles().size(); ++i) {
+
+  const double weight = double(instants) * double(kSubpixelsPerPixel);  // Of a family, or of a half.
+  double time_sum = 0, space_sum = 0;
+  const size_t pixels = parts_[0][0].size();
+  for (size_t i = 0; i < pixels; ++i) {
+    for (size_t c = 0; c < 3; ++c) {
+      const double a0 = parts_[0][0][i][c], b0 = moves ? parts_[0][1][i][c] : 0;
+      const double a1 = parts_[1][0][i][c], b1 = moves ? parts_[1][1][i][c] : 0;
+      const double in_time = moves ? ((a0 + a1) - (b0 + b1)) / weight : 0;
+      const double in_space = ((a0 + b0) - (a1 + b1)) / weight;
+      time_sum += in_time * in_time;
+      space_sum += in_space * in_space;
+    }
+  }
+  const double values = 3 * double(pixels);
+  Findings findings{
+      .samples = 2 * instants,
+      .time_difference = std::sqrt(time_sum / values),
+      .space_difference = std::sqrt(std::max(0.0, space_sum - kTimeInSpace * time_sum) / values)};
+  for (uint32_t i = 0; i < strata.mesh().triangles().size(); ++i) {
     const TileMeshTriangle& triangle = strata.mesh().triangles()[i];
-    if (triangle.shading_bins_log2 > 0 && colors.WasSeen(uint32_t(i))) {
+    if (triangle.shading_bins_log2 > 0 && colors.WasSeen(i)) {
       findings.textured_motion_pixels =
           std::max(findings.textured_motion_pixels, double(triangle.motion_pixels));
     }
@@ -40,41 +56,19 @@ EffortPilot::Findings EffortPilot::OverTime(TileStrata& strata, const std::vecto
   return findings;
 }
 
-EffortPilot::Findings EffortPilot::OverSpace(TileStrata& strata, const std::vector<LineClass>& classes,
-                                             TileColors& colors, ColorFilm& film, RenderStats& stats) {
+void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset,
+                             bool inner, TileColors& colors, ColorFilm& film, RenderStats& stats,
+                             Sums& sums) {
+  instants_.clear();
+  for (int64_t i = 0; i < instants; ++i) {
+    const bool is_inner = i % 4 == 1 || i % 4 == 2;
+    if (is_inner == inner) instants_.push_back(TimeSamples::InstantAt(i, instants, offset));
+  }
   film.Reset(strata.mesh().rect().Area());
-  colors.BeginGuessing(strata.mesh(), film);
-  instants_.assign(1, 0.5);
-  for (const size_t half : {0u, 1u}) {
-    if (half == 1) EndFirstHalf(film);
-    for (size_t c = half; c < classes.size(); c += 2) Resolve(strata, classes[c], colors, stats);
-  }
-  const auto samples = int64_t(classes.size());
-  return {.difference = Difference(film, double(samples) / 2 * double(kSubpixelsPerPixel)),
-          .samples = samples};
-}
-
-void EffortPilot::Resolve(TileStrata& strata, const LineClass& lines, TileColors& colors,
-                          RenderStats& stats) {
-  const int64_t before = stats.lines;
+  const int64_t lines_before = stats.lines;
   resolver_.Resolve(strata, lines, instants_, colors, no_pairs_, stats);
-  stats.lines = before;  // Lines of the picture are counted, not those of the pilot.
-}
-
-void EffortPilot::EndFirstHalf(ColorFilm& film) {
-  first_half_ = film.sums();
-  film.Reset(int64_t(first_half_.size()));
-}
-
-double EffortPilot::Difference(const ColorFilm& film, double total) const {
-  double sum = 0;
-  for (size_t i = 0; i < first_half_.size(); ++i) {
-    for (size_t c = 0; c < 3; ++c) {
-      const double d = (first_half_[i][c] - film.sums()[i][c]) / total;
-      sum += d * d;
-    }
-  }
-  return std::sqrt(sum / (3 * double(first_half_.size())));
+  stats.lines = lines_before;  // Lines of the picture are counted, not those of the pilot.
+  sums = film.sums();
 }
 
 }  // namespace shutterline::engine

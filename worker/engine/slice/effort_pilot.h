@@ -14,36 +14,36 @@
 
 namespace shutterline::engine {
 
-/// Renders a tile with little, in two halves whose difference tells how fast the picture changes with the
-/// samples. Every triangle has one colour, which the film guesses. Keeps its memory; one per thread.
+/// Renders a tile with one line a pixel of each of two families at a few instants, in parts whose differences
+/// tell how fast the picture changes with the samples, in time and in space. Every triangle has one colour,
+/// which the film guesses. Keeps its memory; one per thread.
 class EffortPilot {
  public:
   struct Findings {
-    double difference = 0;  ///< RMS over the tile's pixels and colour channels of one half minus the other.
-    int64_t samples = 0;    ///< (line, instant) pairs a pixel, both halves together.
+    int64_t samples = 0;  ///< (line, instant) pairs a pixel.
+    /// RMS over the tile's pixels and colour channels of one half of the instants minus the other: of every
+    /// four the first and the last, and the two between. What changes linearly is equal in both.
+    double time_difference = 0;
+    /// The same of one family's line minus the other's, as far as time does not account for it.
+    double space_difference = 0;
     double textured_motion_pixels = 0;  ///< The longest motion among the textured triangles that were seen.
   };
 
-  /// Over time: one line a pixel of each family, at `instants` instants, a multiple of 4. One half has the
-  /// first and the last of every four, the other those between: what changes linearly is equal in both, and
-  /// what stands still is the same.
-  Findings OverTime(TileStrata& strata, const std::vector<LineClass>& classes, int64_t instants,
-                    TileColors& colors, ColorFilm& film, RenderStats& stats);
-
-  /// Over space, where nothing moves: the even and the odd classes of each family.
-  Findings OverSpace(TileStrata& strata, const std::vector<LineClass>& classes, TileColors& colors,
-                     ColorFilm& film, RenderStats& stats);
+  /// The first and the last of `classes` are of different families. `instants`: a multiple of 4, or 1 where
+  /// nothing moves. Writes over the film.
+  Findings Fly(TileStrata& strata, const std::vector<LineClass>& classes, int64_t instants,
+               TileColors& colors, ColorFilm& film, RenderStats& stats);
 
  private:
-  void Resolve(TileStrata& strata, const LineClass& lines, TileColors& colors, RenderStats& stats);
-  void EndFirstHalf(ColorFilm& film);
-  /// RMS of the first half minus what is on the film now, both of the weight `total` a pixel.
-  double Difference(const ColorFilm& film, double total) const;
+  using Sums = std::vector<std::array<double, 4>>;
+
+  void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
+                  TileColors& colors, ColorFilm& film, RenderStats& stats, Sums& sums);
 
   ClassResolver resolver_;
   PairWeights no_pairs_;
   std::vector<double> instants_;
-  std::vector<std::array<double, 4>> first_half_;
+  std::array<std::array<Sums, 2>, 2> parts_;  // By family, and half of the instants.
 };
 
 }  // namespace shutterline::engine
