@@ -129,9 +129,8 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
                });
   auto* pattern =
       AddValue(app, "--pattern", "auto|1h1v|2h2v|4h4v|8h8v|16h16v|rgls", "auto",
-               "Lines through each pixel: horizontal and vertical,\nor a rotated grid; auto: the latter, and "
-               "more where\n"
-               "nothing moves",
+               "Lines through each pixel: horizontal and vertical,\nor a rotated grid; auto: as many of the "
+               "former as\nthe place needs",
                [&](const std::string& t) {
                  return StoreWord(ParsePattern(t), s.pattern, "auto, 1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
                });

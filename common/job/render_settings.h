@@ -11,7 +11,8 @@ namespace shutterline {
 
 enum class IntegratorKind { kLine, kReference, kStochastic };
 enum class ReferenceLayout { kMotionBvh, kSharedInstants };
-/// kAuto: `rgls`, and more lines where nothing moves and they are needed.
+/// kAuto: horizontal and vertical lines, as many as the place needs for the error that is aimed at; `rgls`
+/// where none is.
 enum class PatternKind { kAuto, k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
 enum class PixelType { kHalf, kFloat };
@@ -53,10 +54,10 @@ struct RenderSettings {
   /// kMaxTimeSamples; `time_step` is then ignored.
   std::optional<int> time_samples;
   /// Resolver `slice`: the error that is aimed at within each tile: the RMS over its pixels and channels,
-  /// linear values, kMinTargetError to kMaxTargetError. Instants, and with `auto` lines where nothing moves,
-  /// are as many as the difference of half sets asks for; at most one every kFinestTimeStep pixels, or every
-  /// `time_step` pixels where that is less. Unset: as many instants as `time_step` asks for. Ignored where
-  /// `time_samples` is set.
+  /// linear values, kMinTargetError to kMaxTargetError. Instants, and with `auto` lines, are as many as
+  /// the difference of half sets asks for (docs/math/effort.md); at most one every kFinestTimeStep pixels, or
+  /// every `time_step` pixels where that is less. Unset: as many instants as `time_step` asks for. Ignored
+  /// where `time_samples` is set.
   std::optional<double> target_error = kDefaultTargetError;
   /// Resolver `paper`: equal spans of the shutter, 1 to kMaxTimeCells, into which a line's cells are cut.
   int time_cells = 4;

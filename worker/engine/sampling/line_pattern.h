@@ -37,7 +37,8 @@ struct TileLine {
 class LinePattern {
  public:
   /// `1h1v` to `16h16v`: horizontal and vertical lines through the pixels, evenly spaced.
-  /// `rgls`: y = x/2 + k/2 and x = −y/2 + k/2; four lines through every pixel. `auto` begins with it.
+  /// `rgls`: y = x/2 + k/2 and x = −y/2 + k/2; four lines through every pixel. Of `auto` too,
+  /// as far as it has one.
   static const LinePattern& Get(PatternKind kind);
 
   const std::vector<LineFamily>& families() const { return families_; }
