@@ -1,5 +1,6 @@
 #include "client/command_line.h"
 
+#include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -253,12 +254,11 @@ TEST(Program, HelpNamesDefaultsAsTheyAre) {
            "FRAMES/S [" + std::to_string(int(s.fps)) + "]", "WxH [" + size + "]",
            "[" + std::string(ToString(s.pattern)) + "]", "[" + std::string(ToString(s.resolver)) + "]",
            "[" + std::string(ToString(s.integrator)) + "]", "N [" + std::to_string(s.spp) + "]",
-           "FRAMES [0.5]", "FRAMES [0]", "PIXELS [" + std::to_string(int(s.time_step)) + "]", "[zip]"}) {
+           "FRAMES [0.5]", "FRAMES [0]", "E [" + absl::StrCat(*s.target_error) + "]", "[zip]"}) {
     EXPECT_NE(help.find(text), std::string::npos) << text << "\n" << help;
   }
   EXPECT_EQ(s.shutter_close, 0.5);
   EXPECT_EQ(s.shutter_open, 0.0);
-  EXPECT_EQ(s.time_step, 2.0);
   EXPECT_EQ(OutputSettings().compression, ExrCompression::kZip);
 }
 

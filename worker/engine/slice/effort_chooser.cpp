@@ -67,7 +67,9 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, Workspace& wo
   const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;
   if (!strata.moves()) return {&pattern, 1};
 
-  auto instants = int64_t(std::ceil(std::min(samples / pattern.StepsPerPixel(), 1e9)));
+  // Colours may be anything, and so may their differences.
+  const double wanted = std::ceil(samples / pattern.StepsPerPixel());
+  int64_t instants = wanted < double(most) ? int64_t(wanted) : most;
   instants = std::max(instants, kLeastInstants);
   // A texture that moves is blurred only as finely as time is cut.
   if (found.textured_motion_pixels > 0) {

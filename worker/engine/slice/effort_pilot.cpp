@@ -38,14 +38,13 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
       const double in_time = moves ? ((a0 + a1) - (b0 + b1)) / weight : 0;
       const double in_space = ((a0 + b0) - (a1 + b1)) / weight;
       time_sum += in_time * in_time;
-      space_sum += in_space * in_space;
+      space_sum += std::max(0.0, in_space * in_space - kTimeInSpace * in_time * in_time);
     }
   }
   const double values = 3 * double(pixels);
-  Findings findings{
-      .samples = 2 * instants,
-      .time_difference = std::sqrt(time_sum / values),
-      .space_difference = std::sqrt(std::max(0.0, space_sum - kTimeInSpace * time_sum) / values)};
+  Findings findings{.samples = 2 * instants,
+                    .time_difference = std::sqrt(time_sum / values),
+                    .space_difference = std::sqrt(space_sum / values)};
   for (uint32_t i = 0; i < strata.mesh().triangles().size(); ++i) {
     const TileMeshTriangle& triangle = strata.mesh().triangles()[i];
     if (triangle.shading_bins_log2 > 0 && colors.WasSeen(i)) {
