@@ -176,7 +176,7 @@ TEST_F(FarmTest, StatisticsComeWithTheFramesAndAgainWithTheStatus) {
                                            "--server", farm_.Address()};
   const Farm::Ended text = farm_.Client(status);
   EXPECT_EQ(text.status, 0) << text.errors;
-  EXPECT_THAT(text.output, HasSubstr("pattern=rgls resolver=slice time_step=2"));
+  EXPECT_THAT(text.output, HasSubstr("pattern=auto resolver=slice time_step=2 target_error=0.0025"));
   EXPECT_THAT(text.output, HasSubstr("\n      3         63"));
   const Farm::Ended again =
       farm_.Client(Arguments(status[0], {status[1], "--stats", "--json", status[3], status[4]}));

@@ -13,6 +13,10 @@ namespace {
 /// that of the halves': their instants lie half a step apart.
 constexpr double kTimeInSpace = 2;
 
+/// Means are taken over the pixels in which anything differs, or a large surface at rest would hide a small
+/// one that moves; over so many at least, an eighth of a tile, or a single pixel would decide for all.
+constexpr int64_t kFewestChanging = 128;
+
 }  // namespace
 
 EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<LineClass>& classes,
@@ -30,8 +34,9 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
 
   const double weight = double(instants) * double(kSubpixelsPerPixel);  // Of a family, or of a half.
   double time_sum = 0, space_sum = 0;
-  const size_t pixels = parts_[0][0].size();
-  for (size_t i = 0; i < pixels; ++i) {
+  int64_t changing = 0;
+  for (size_t i = 0; i < parts_[0][0].size(); ++i) {
+    double changes = 0;
     for (size_t c = 0; c < 3; ++c) {
       const double a0 = parts_[0][0][i][c], b0 = moves ? parts_[0][1][i][c] : 0;
       const double a1 = parts_[1][0][i][c], b1 = moves ? parts_[1][1][i][c] : 0;
@@ -39,9 +44,11 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
       const double in_space = ((a0 + b0) - (a1 + b1)) / weight;
       time_sum += in_time * in_time;
       space_sum += std::max(0.0, in_space * in_space - kTimeInSpace * in_time * in_time);
+      changes += in_time * in_time + in_space * in_space;
     }
+    if (changes > 0) ++changing;
   }
-  const double values = 3 * double(pixels);
+  const double values = 3 * double(std::max(changing, kFewestChanging));
   Findings findings{.samples = 2 * instants,
                     .time_difference = std::sqrt(time_sum / values),
                     .space_difference = std::sqrt(space_sum / values)};
