@@ -20,7 +20,7 @@ std::unique_ptr<TileIntegrator> MakeShared(const std::shared_ptr<const FrameScen
   settings.seed = seed;
   auto tracer = InstantTracer::Create(frame, 0, settings, threads);
   EXPECT_TRUE(tracer.ok()) << tracer.status();
-  return *std::move(tracer);
+  return tracer.ok() ? *std::move(tracer) : nullptr;
 }
 
 std::shared_ptr<const FrameScene> MovingFrame() {
@@ -42,6 +42,11 @@ TEST(InstantTracer, TilesAndThreadsDoNotMatter) {
                              RenderTiles(*MakeShared(frame, 10, 0, 4), 48, 48, 16, 16)}) {
     for (size_t i = 0; i < whole.values().size(); ++i) ASSERT_EQ(whole.values()[i], other.values()[i]) << i;
   }
+}
+
+TEST(InstantTracer, HasMoreInstantsThanEmbreeAllowsDevices) {
+  const auto frame = MovingFrame();
+  EXPECT_NE(MakeShared(frame, 1100), nullptr);
 }
 
 /// Means over many seeds agree with those of independent times, pixel by pixel.

@@ -64,6 +64,12 @@ inline absl::StatusOr<EmbreeDevice> MakeEmbreeDevice(const char* config = nullpt
   return device;
 }
 
+/// Another reference of the same device: Embree allows a process about a thousand devices.
+inline EmbreeDevice Share(const EmbreeDevice& device) {
+  rtcRetainDevice(device.get());
+  return EmbreeDevice(device.get());
+}
+
 /// What travels with a query and reaches filter functions as `args->context`: derive from it.
 #if SHUTTERLINE_EMBREE_MAJOR >= 4
 using EmbreeQueryContext = RTCRayQueryContext;

@@ -55,17 +55,22 @@ void EmbreeFrame::FilterHits(const RTCFilterFunctionNArguments* arguments) {
 absl::StatusOr<EmbreeFrame> EmbreeFrame::Build(const FrameScene& frame, int threads) {
   // More threads than processors would only make TBB complain.
   tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
-  return arena.execute([&] { return BuildScene(frame, std::nullopt, RTC_BUILD_QUALITY_MEDIUM); });
+  return arena.execute([&]() -> absl::StatusOr<EmbreeFrame> {
+    SL_ASSIGN_OR_RETURN(EmbreeDevice device, MakeEmbreeDevice());
+    return BuildScene(frame, std::nullopt, RTC_BUILD_QUALITY_MEDIUM, std::move(device));
+  });
 }
 
-absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildAt(const FrameScene& frame, double instant, bool quickly) {
-  return BuildScene(frame, instant, quickly ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
+absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildAt(const FrameScene& frame, double instant, bool quickly,
+                                                 const EmbreeDevice& device) {
+  return BuildScene(frame, instant, quickly ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
+                    Share(device));
 }
 
 absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildScene(const FrameScene& frame, std::optional<double> instant,
-                                                    RTCBuildQuality quality) {
+                                                    RTCBuildQuality quality, EmbreeDevice owned) {
   EmbreeFrame result;
-  SL_ASSIGN_OR_RETURN(result.device_, MakeEmbreeDevice());
+  result.device_ = std::move(owned);
   const RTCDevice device = result.device_.get();
   if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
     return absl::InternalError("build the reference's scene: this Embree was built without filter functions");

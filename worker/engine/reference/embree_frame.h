@@ -20,8 +20,9 @@ class EmbreeFrame {
  public:
   static absl::StatusOr<EmbreeFrame> Build(const FrameScene& frame, int threads);
   /// The same frozen at shutter time `instant`, without motion; built as fast as can be where `quickly`, for
-  /// few rays. On the calling thread and those of its task arena.
-  static absl::StatusOr<EmbreeFrame> BuildAt(const FrameScene& frame, double instant, bool quickly);
+  /// few rays. On the calling thread and those of its task arena. Many frames may share a device.
+  static absl::StatusOr<EmbreeFrame> BuildAt(const FrameScene& frame, double instant, bool quickly,
+                                             const EmbreeDevice& device);
 
   RTCScene scene() const { return scene_.get(); }
   /// Metres a unit of Embree's coordinates, a power of two.
@@ -39,7 +40,7 @@ class EmbreeFrame {
   static void FilterHits(const RTCFilterFunctionNArguments* arguments);
 
   static absl::StatusOr<EmbreeFrame> BuildScene(const FrameScene& frame, std::optional<double> instant,
-                                                RTCBuildQuality quality);
+                                                RTCBuildQuality quality, EmbreeDevice device);
   absl::Status AddPrimitive(const FrameScene& frame, unsigned number, std::optional<double> instant);
 
   // In this order: the scene goes before what its geometries point to, and before its device.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/status_macros.h"
 #include "worker/engine/reference/ray_packet.h"
 
 namespace shutterline::engine {
@@ -45,11 +46,12 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
   // saves.
   const bool quickly =
       trees > 1 && 4 * frame_scene->triangles.size() > size_t(settings.width) * size_t(settings.height);
+  SL_ASSIGN_OR_RETURN(const EmbreeDevice device, MakeEmbreeDevice());
   std::vector<std::optional<absl::StatusOr<EmbreeFrame>>> built(trees);
   tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
   arena.execute([&] {
     tbb::parallel_for(size_t{0}, trees, [&](size_t i) {
-      built[i].emplace(EmbreeFrame::BuildAt(*frame_scene, tracer->instants_[i], quickly));
+      built[i].emplace(EmbreeFrame::BuildAt(*frame_scene, tracer->instants_[i], quickly, device));
     });
   });
   for (auto& scene : built) {
