@@ -9,8 +9,8 @@
 namespace shutterline::engine {
 namespace {
 
-/// Where only time makes a difference, the mean square of the families' difference is about so many times
-/// that of the halves': their instants lie half a step apart.
+/// What a pixel's difference of the families must exceed that of the halves by, both squared, to be counted
+/// as one of space: where only time makes a difference, it mostly does not.
 constexpr double kTimeInSpace = 2;
 
 /// Means are taken over the pixels in which anything differs, or a large surface at rest would hide a small
