@@ -20,8 +20,8 @@
 namespace shutterline::engine {
 
 /// How a material moves its texture coordinates (KHR_texture_transform): they are scaled, turned about the
-/// origin and moved, in this order. With v downwards, as glTF has it, a positive angle turns the *image*
-/// counter-clockwise.
+/// origin and moved, in this order. Seen with v downwards, as glTF has it, a positive angle turns coordinates
+/// counter-clockwise, so the image appears turned clockwise.
 struct TextureTransform {
   V2d offset{0, 0};
   double rotation = 0;  ///< Radians.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/math/spaces.h"
-#include "worker/engine/shading/shade.h"
+#include "worker/engine/shading/barycentric.h"
 
 namespace shutterline::engine {
 
