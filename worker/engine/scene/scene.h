@@ -70,9 +70,9 @@ struct PunctualLight {
   enum class Kind : uint8_t { kDirectional, kPoint, kSpot };
   std::string name;
   Kind kind = Kind::kPoint;
-  V3f color{1, 1, 1};   ///< Linear.
-  float intensity = 1;  ///< Lux for directional lights, else candela.
-  float range = 0;      ///< Metres at which the light has faded out; 0: infinite.
+  V3f color{1, 1, 1};                             ///< Linear.
+  float intensity = 1;                            ///< Lux for directional lights, else candela.
+  float range = 0;                                ///< Metres at which the light has faded out; 0: infinite.
   float inner_cone = 0, outer_cone = 0.7853982f;  ///< Spot: angles from the axis, radians.
 };
 
@@ -109,10 +109,11 @@ struct VertexInfluences {
 /// Triangles that share a material. Strips and fans have been cut into triangles with glTF's winding.
 /// Vertices that are not finite stay in `positions`; triangles that use them are not in `triangles`.
 struct MeshPrimitive {
-  std::vector<V3f> positions;                 ///< Object space.
-  std::vector<V3f> normals;                   ///< Empty, or one a position.
-  /// Directions of growing u of the normal texture, and the sign of the bitangent, cross(normal, tangent) times
-  /// it. Empty, or one a corner of `triangles`: neighbours that share a vertex may disagree on the sign.
+  std::vector<V3f> positions;  ///< Object space.
+  std::vector<V3f> normals;    ///< Empty, or one a position.
+  /// Directions of growing u of the normal texture, and in w the sign of the bitangent, cross(normal,
+  /// tangent) times it, which points to falling v (up in the picture). Three a triangle, in the order of its
+  /// corners: neighbours that share a vertex may disagree on the sign. Empty where no normal texture is used.
   std::vector<V4f> tangents;
   std::array<std::vector<V2f>, 2> texcoords;  ///< Each empty, or one a position.
   std::vector<V4f> colors;                    ///< COLOR_0, linear: empty, or one a position.
