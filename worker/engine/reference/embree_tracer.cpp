@@ -34,7 +34,7 @@ EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Embree
                            const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
       embree_(std::move(embree)),
-      shader_(frame_scene_),
+      shader_(frame_scene_, settings),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);

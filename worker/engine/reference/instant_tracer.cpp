@@ -64,7 +64,7 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
 InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, int frame,
                              const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
-      shader_(frame_scene_),
+      shader_(frame_scene_, settings),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);

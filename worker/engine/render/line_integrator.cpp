@@ -11,7 +11,6 @@
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/stage_timer.h"
 #include "worker/engine/shading/footprint.h"
-#include "worker/engine/shading/shade.h"
 
 namespace shutterline::engine {
 namespace {
@@ -52,8 +51,9 @@ LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, const Re
                                std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame)),
       bvh_(std::move(bvh)),
+      shader_(frame_, settings),
       resolver_(MakeResolver(settings)),
-      traits_(TraitsOf(*frame_)) {}
+      traits_(shader_.Traits()) {}
 
 void LineIntegrator::Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
   SL_CHECK(int64_t(rgba.size()) == 4 * rect.Area());
@@ -88,7 +88,7 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
   if (traits.textured) return std::nullopt;
-  const auto shade = [&](double b1, double b2) { return Shade(*frame_, triangle, {b1, b2}, {}); };
+  const auto shade = [&](double b1, double b2) { return shader_.Shade(triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
   ColorNodes nodes;
   nodes.corners = {first, first, first};
@@ -115,7 +115,7 @@ std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
 V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1};
-  return Shade(*frame_, triangle, {1.0 / 3, 1.0 / 3}, kWhole);
+  return shader_.Shade(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
@@ -135,7 +135,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
           if (traits.textured) footprint = FootprintOf(*frame_, pair, at, pair.bins_log2);
         }
         covered += pair.weight;
-        contributions.push_back({pair.weight, Shade(*frame_, pair.triangle, at, footprint)});
+        contributions.push_back({pair.weight, shader_.Shade(pair.triangle, at, footprint)});
       });
       const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
       covered += uint64_t(film_sum[3]);

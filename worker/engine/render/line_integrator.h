@@ -8,6 +8,7 @@
 
 #include "worker/engine/accel/bvh.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/shading/shade.h"
 #include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
@@ -37,6 +38,7 @@ class LineIntegrator final : public TileIntegrator {
 
   std::shared_ptr<const FrameScene> frame_;
   std::unique_ptr<const Bvh> bvh_;
+  Shader shader_;
   std::unique_ptr<const Resolver> resolver_;
   std::vector<PrimitiveTraits> traits_;
 };

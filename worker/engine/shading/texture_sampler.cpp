@@ -72,6 +72,7 @@ V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, con
   if (!(longest > 1)) {
     return texture.nearest ? Nearest(pyramid, 0, texture, uv) : Bilinear(pyramid, 0, texture, uv);
   }
+  if (!std::isfinite(along_x) || !std::isfinite(along_y)) return Trilinear(pyramid, texture, uv, longest);
   // The footprint is a parallelogram: so long, and across that side so wide.
   const double area = std::abs(duv_dx.x * duv_dy.y - duv_dx.y * duv_dy.x) * pyramid.Width(0) * pyramid.Height(0);
   const double width = std::max(area / longest, 1.0);
