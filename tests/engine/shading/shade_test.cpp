@@ -148,7 +148,7 @@ TEST(Shade, TexturesLieTheRightWayUp) {
 TEST(Shade, MaterialsWhoseMeshHasNoCoordinatesIgnoreTheTexture) {
   QuadScene s;
   s.material().unlit = true;
-  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1};
+  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1, {}};
   const auto frame = s.Build();
   EXPECT_TRUE(IsConstantShade(*frame, frame->primitives[0]));
   EXPECT_EQ(Shade(*frame, 0, {0.1, 0.1}, {}), V3f(1));
@@ -159,9 +159,9 @@ TEST(Shade, FramesOfASceneShareTheirTextures) {
   s.material().base_color_texture.texture = s.AddTexture(1, 1, {1, 2, 3, 255});
   s.AddTexture(1, 1, {4, 5, 6, 255});
   const auto one = s.Build(), two = s.Build();
-  EXPECT_NE(one->textures[0], nullptr);
-  EXPECT_EQ(one->textures[0], two->textures[0]);
-  EXPECT_EQ(one->textures[1], nullptr);  // No material uses it.
+  EXPECT_NE(one->Pyramid(0, TextureEncoding::kSrgb), nullptr);
+  EXPECT_EQ(one->Pyramid(0, TextureEncoding::kSrgb), two->Pyramid(0, TextureEncoding::kSrgb));
+  EXPECT_EQ(one->Pyramid(1, TextureEncoding::kSrgb), nullptr);  // No material uses it.
 }
 
 TEST(Shade, MirroredNodesLookLikeTheirMirrorImage) {

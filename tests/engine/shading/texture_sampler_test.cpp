@@ -42,12 +42,12 @@ TEST(TextureSampler, SrgbIsDecoded) {
   EXPECT_NEAR((LinearFromSrgb8(127) + LinearFromSrgb8(128)) / 2, 0.2140, 2e-4);
   EXPECT_NEAR(LinearFromSrgb8(10), 10 / 255.0 / 12.92, 1e-7);
   const TextureImage image = Image(1, 1, [](int, int) { return Gray(128); });
-  EXPECT_EQ(Sample(MipPyramid(image), {}, {0.3, 0.7}).x, LinearFromSrgb8(128));
+  EXPECT_EQ(Sample(MipPyramid(image, TextureEncoding::kSrgb), {}, {0.3, 0.7}).x, LinearFromSrgb8(128));
 }
 
 TEST(TextureSampler, ConstantImagesAreConstantEverywhere) {
   const TextureImage image = Image(37, 11, [](int, int) { return std::array<uint8_t, 3>{200, 100, 50}; });
-  const MipPyramid pyramid(image);
+  const MipPyramid pyramid(image, TextureEncoding::kSrgb);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-3, 3);
   for (int i = 0; i < 1000; ++i) {
@@ -60,7 +60,7 @@ TEST(TextureSampler, ConstantImagesAreConstantEverywhere) {
 
 TEST(TextureSampler, CheckersAverageInLinearLight) {
   const TextureImage image = Image(64, 64, [](int x, int y) { return Gray((x + y) % 2 ? 255 : 0); });
-  const MipPyramid pyramid(image);
+  const MipPyramid pyramid(image, TextureEncoding::kSrgb);
   // One pixel covers 2, 8 or all 64 texels.
   for (const double footprint : {2 / 64.0, 8 / 64.0, 1.0, 50.0}) {
     EXPECT_NEAR(Sample(pyramid, {}, {0.123, 0.456}, footprint, footprint).x, 0.5, 1e-4) << footprint;
@@ -78,7 +78,7 @@ TEST(TextureSampler, EveryLevelKeepsTheMean) {
   for (const auto& [width, height] :
        {std::pair(7, 5), std::pair(64, 3), std::pair(1, 9), std::pair(100, 100)}) {
     const TextureImage image = Image(width, height, [&](int, int) { return Gray(int(random() % 256)); });
-    const MipPyramid pyramid(image);
+    const MipPyramid pyramid(image, TextureEncoding::kSrgb);
     double first = 0;
     for (int level = 0; level < pyramid.level_count(); ++level) {
       double sum = 0;
@@ -109,7 +109,7 @@ TEST(TextureSampler, WrapModes) {
 
 TEST(TextureSampler, TexelCentresAndTheMiddleBetween) {
   const TextureImage image = Image(2, 1, [](int x, int) { return Gray(x * 255); });
-  const MipPyramid pyramid(image);
+  const MipPyramid pyramid(image, TextureEncoding::kSrgb);
   Texture repeat, clamp, nearest;
   clamp.wrap_s = WrapMode::kClampToEdge;
   nearest.nearest = true;
@@ -126,7 +126,7 @@ TEST(TextureSampler, TexelCentresAndTheMiddleBetween) {
 
 TEST(TextureSampler, NumbersThatAreNoneOrHuge) {
   const TextureImage image = Image(4, 4, [](int x, int y) { return Gray(16 * (x + 4 * y)); });
-  const MipPyramid pyramid(image);
+  const MipPyramid pyramid(image, TextureEncoding::kSrgb);
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinity, -infinity, 1e300, -1e300}) {
     for (const double footprint : {0.0, 1.0, nan, infinity}) {
@@ -140,10 +140,10 @@ TEST(TextureSampler, NumbersThatAreNoneOrHuge) {
 TEST(MipPyramidCache, SharesAndForgets) {
   const std::vector<TextureImage> images{Image(4, 4, [](int, int) { return Gray(9); })};
   const MipPyramidCache cache;
-  const auto pyramid = cache.Get(images, 0);
-  EXPECT_EQ(cache.Get(images, 0), pyramid);
+  const auto pyramid = cache.Get(images, 0, TextureEncoding::kSrgb);
+  EXPECT_EQ(cache.Get(images, 0, TextureEncoding::kSrgb), pyramid);
   const MipPyramidCache copy = cache;
-  EXPECT_NE(copy.Get(images, 0), pyramid);
+  EXPECT_NE(copy.Get(images, 0, TextureEncoding::kSrgb), pyramid);
 }
 
 }  // namespace

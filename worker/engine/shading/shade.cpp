@@ -41,7 +41,7 @@ V3d VertexColor(const ShadingPoint& point) {
 bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference) {
   if (reference.texture < 0 || reference.texcoord < 0 || reference.texcoord > 1) return false;
   const int image = frame.scene->textures[size_t(reference.texture)].image;
-  return image >= 0 && size_t(image) < frame.textures.size() && frame.textures[size_t(image)] != nullptr &&
+  return frame.Pyramid(image, TextureEncoding::kSrgb) != nullptr &&
          !source.texcoords[size_t(reference.texcoord)].empty();
 }
 
@@ -56,7 +56,7 @@ V3d TextureColor(const ShadingPoint& point, const TextureRef& reference) {
   const V2d uv = uv0 + point.weights[1] * along1 + point.weights[2] * along2;
   const Footprint& f = point.footprint;
   const Texture& texture = point.frame.scene->textures[size_t(reference.texture)];
-  return V3d(SampleTexture(*point.frame.textures[size_t(texture.image)], texture, uv,
+  return V3d(SampleTexture(*point.frame.Pyramid(texture.image, TextureEncoding::kSrgb), texture, uv,
                            f.db1_dx * along1 + f.db2_dx * along2, f.db1_dy * along1 + f.db2_dy * along2));
 }
 

@@ -16,11 +16,16 @@ V3f Mix(const V3f& a, const V3f& b, float part) {
   return a + part * (b - a);
 }
 
+V3f Color(const MipPyramid& pyramid, int level, int x, int y) {
+  const V4f texel = pyramid.Texel(level, x, y);
+  return {texel.x, texel.y, texel.z};
+}
+
 V3f Nearest(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
   const int width = pyramid.Width(level), height = pyramid.Height(level);
   const auto x = int64_t(std::floor(TexelCoordinate(uv.x, width)));
   const auto y = int64_t(std::floor(TexelCoordinate(uv.y, height)));
-  return pyramid.Texel(level, WrapTexel(x, width, texture.wrap_s), WrapTexel(y, height, texture.wrap_t));
+  return Color(pyramid, level, WrapTexel(x, width, texture.wrap_s), WrapTexel(y, height, texture.wrap_t));
 }
 
 V3f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
@@ -30,8 +35,8 @@ V3f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const
   const auto fx = float(x - double(x0)), fy = float(y - double(y0));
   const int left = WrapTexel(x0, width, texture.wrap_s), right = WrapTexel(x0 + 1, width, texture.wrap_s);
   const int top = WrapTexel(y0, height, texture.wrap_t), bottom = WrapTexel(y0 + 1, height, texture.wrap_t);
-  return Mix(Mix(pyramid.Texel(level, left, top), pyramid.Texel(level, right, top), fx),
-             Mix(pyramid.Texel(level, left, bottom), pyramid.Texel(level, right, bottom), fx), fy);
+  return Mix(Mix(Color(pyramid, level, left, top), Color(pyramid, level, right, top), fx),
+             Mix(Color(pyramid, level, left, bottom), Color(pyramid, level, right, bottom), fx), fy);
 }
 
 /// Length of a footprint axis in texels of level 0.
