@@ -169,10 +169,10 @@ TEST(TextureSampler, NumbersThatAreNoneOrHuge) {
 TEST(MipPyramidCache, SharesAndForgets) {
   const std::vector<TextureImage> images{Image(4, 4, [](int, int) { return Gray(9); })};
   const MipPyramidCache cache;
-  const auto pyramid = cache.Get(images, 0);
-  EXPECT_EQ(cache.Get(images, 0), pyramid);
+  const auto pyramid = cache.Get(images, 0, TextureEncoding::kSrgb);
+  EXPECT_EQ(cache.Get(images, 0, TextureEncoding::kSrgb), pyramid);
   const MipPyramidCache copy = cache;
-  EXPECT_NE(copy.Get(images, 0), pyramid);
+  EXPECT_NE(copy.Get(images, 0, TextureEncoding::kSrgb), pyramid);
 }
 
 }  // namespace
