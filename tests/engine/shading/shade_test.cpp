@@ -154,7 +154,7 @@ TEST(Shade, TexturesLieTheRightWayUp) {
 TEST(Shade, MaterialsWhoseMeshHasNoCoordinatesIgnoreTheTexture) {
   QuadScene s;
   s.material().unlit = true;
-  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1, {}};
+  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1};
   const auto frame = s.Build();
   EXPECT_TRUE(HeadLit(frame).IsConstant(frame->primitives[0]));
   EXPECT_EQ(HeadLit(frame).Shade(0, {0.1, 0.1}, {}), V3f(1));
@@ -167,10 +167,7 @@ TEST(Shade, FramesOfASceneShareTheirTextures) {
   const auto one = s.Build(), two = s.Build();
   EXPECT_NE(one->Pyramid(0, TextureEncoding::kSrgb), nullptr);
   EXPECT_EQ(one->Pyramid(0, TextureEncoding::kSrgb), two->Pyramid(0, TextureEncoding::kSrgb));
-<<<<<<< HEAD
   EXPECT_EQ(one->Pyramid(0, TextureEncoding::kLinear), nullptr);
-=======
->>>>>>> materials
   EXPECT_EQ(one->Pyramid(1, TextureEncoding::kSrgb), nullptr);  // No material uses it.
 }
 

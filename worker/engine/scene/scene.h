@@ -20,10 +20,6 @@
 namespace shutterline::engine {
 
 /// How a material moves its texture coordinates (KHR_texture_transform): they are scaled, turned about the
-<<<<<<< HEAD
-/// origin and moved, in this order. Seen with v downwards, as glTF has it, a positive angle turns coordinates
-/// counter-clockwise, so the image appears turned clockwise.
-=======
 /// origin and moved, in this order:
 ///
 ///   u' = offset.x + cos(rotation) scale.x u + sin(rotation) scale.y v
@@ -32,7 +28,6 @@ namespace shutterline::engine {
 /// With v downwards, as glTF has it, a positive angle turns coordinates counter-clockwise, hence the image on
 /// the surface clockwise. That is what the extension's words and example say; the signs in its listing
 /// differ.
->>>>>>> materials
 struct TextureTransform {
   V2d offset{0, 0};
   double rotation = 0;  ///< Radians.
