@@ -18,9 +18,15 @@ class HitShader {
 
   /// `b1`, `b2` as Embree gives them, `t` the ray's time.
   V3f Radiance(uint32_t triangle, double b1, double b2, double t) const;
+  /// How much of what lies behind is hidden there: 1 of what is opaque.
+  double Alpha(uint32_t triangle, double b1, double b2, double t) const;
+
+  const FrameScene& frame() const { return shader_.frame(); }
 
  private:
   Shader shader_;
+  /// By primitive.
+  std::vector<PrimitiveTraits> traits_;
   /// By primitive: whether one shade serves every hit of a triangle; then it is in constant_shades_.
   std::vector<bool> is_constant_;
   std::vector<V3f> constant_shades_;  ///< By triangle; empty if no primitive is constant.

@@ -28,14 +28,9 @@ bool CanonicalOrder(const Contribution& a, const Contribution& b) {
          std::tie(b.weight, b.color.x, b.color.y, b.color.z);
 }
 
-/// The footprint of a pixel in the middle of the pair's part of the shutter.
-Footprint FootprintOf(const FrameScene& frame, const PixelPair& pair, const Barycentric& at, int bins_log2) {
-  const FrameTriangle& triangle = frame.triangles[pair.triangle];
-  const FramePrimitive& primitive = frame.primitives[triangle.primitive];
-  const double t = (pair.bin + 0.5) / double(1u << bins_log2);
-  RasterPoint vertices[3];
-  for (int i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, triangle.vertices[i], t);
-  return PixelFootprint(vertices, at);
+/// The middle of the pair's part of the shutter.
+double MiddleOf(const PixelPair& pair) {
+  return (pair.bin + 0.5) / double(1u << pair.bins_log2);
 }
 
 }  // namespace
@@ -78,7 +73,7 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   PairWeights weights;
   ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
                  [this](uint32_t triangle) { return GuessOf(triangle); });
-  resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &film, stats);
+  resolver_->Resolve({*frame_, traits_, part, candidates, this}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
   ShadePixels(part, weights, film, rect, rgba, stats);
@@ -87,7 +82,8 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
 std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
-  if (traits.textured) return std::nullopt;
+  // A highlight is narrower than what a few points tell.
+  if (traits.textured || traits.glossy) return std::nullopt;
   const auto shade = [&](double b1, double b2) { return shader_.Shade(triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
   ColorNodes nodes;
@@ -112,6 +108,11 @@ std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   return std::nullopt;
 }
 
+double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t) const {
+  const Barycentric at{b1, b2};
+  return shader_.Alpha(triangle, at, PixelFootprintAt(*frame_, triangle, at, t));
+}
+
 V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1};
@@ -132,7 +133,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         Footprint footprint;
         if (traits.needs_position) {
           at = {pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          if (traits.textured) footprint = FootprintOf(*frame_, pair, at, pair.bins_log2);
+          if (traits.textured) footprint = PixelFootprintAt(*frame_, pair.triangle, at, MiddleOf(pair));
         }
         covered += pair.weight;
         contributions.push_back({pair.weight, shader_.Shade(pair.triangle, at, footprint)});

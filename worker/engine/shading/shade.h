@@ -20,9 +20,12 @@ class Shader {
  public:
   Shader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings);
 
-  /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter. All
-  /// surfaces are opaque.
+  /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter, as if
+  /// it were opaque: layers are not premultiplied.
   V3f Shade(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
+
+  /// Alpha of the base colour: of factor, vertex colours and texture together. Cut-offs are not looked at.
+  double Alpha(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
 
   /// True if Shade returns the same value all over every triangle of the primitive: then `at` and
   /// `footprint` are never looked at and callers need not compute them.
@@ -34,6 +37,9 @@ class Shader {
   const FrameScene& frame() const { return *frame_; }
 
  private:
+  bool IsGlossy(const Material& material) const;
+  void MakeLayer(const FramePrimitive& primitive, PrimitiveTraits& traits) const;
+
   std::shared_ptr<const FrameScene> frame_;
   Lighting lighting_;
 };

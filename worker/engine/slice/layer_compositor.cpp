@@ -113,7 +113,8 @@ void LayerCompositor::CompositeUncrossed(int32_t begin, int32_t end, const Span*
 
 double LayerCompositor::AlphaAt(const Span& layer, double x) const {
   const TileMeshTriangle& triangle = mesh_->triangles()[layer.index];
-  if (alpha_ == nullptr) return double(triangle.layer_alpha);
+  if (triangle.layer_alpha >= 0) return double(triangle.layer_alpha);
+  if (alpha_ == nullptr) return 1;
   const double l = x / kSubpixelsPerPixel;
   const LinePosition& p = layer.position;
   const double over = 1 / (p.at[2] + p.per_pixel[2] * l);
