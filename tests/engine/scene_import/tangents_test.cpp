@@ -40,7 +40,7 @@ struct NormalMapped : GltfBuilder {
     return file;
   }
 
-  json attributes;
+  nlohmann::json attributes;
   int indices;
   std::vector<std::string> warnings;
 };

@@ -193,6 +193,7 @@ TEST(FrameTangents, AreOnlyWhereANormalTextureShows) {
 
 TEST(FramePyramids, AreMadeForWhatIsDrawnInItsEncoding) {
   NormalMapped s;
+  s.scene->materials.emplace_back();  // Of no mesh.
   Material& material = s.scene->materials[0];
   material.base_color_texture.texture = s.AddTexture();
   material.emissive_texture.texture = s.AddTexture();
@@ -200,9 +201,7 @@ TEST(FramePyramids, AreMadeForWhatIsDrawnInItsEncoding) {
   material.occlusion_texture.texture = s.AddTexture();
   material.specular_texture.texture = s.AddTexture();
   material.specular_color_texture.texture = s.AddTexture();
-  const int unused = s.AddTexture();
-  s.scene->materials.emplace_back();  // Of no mesh.
-  s.scene->materials.back().base_color_texture.texture = unused;
+  s.scene->materials[1].base_color_texture.texture = s.AddTexture();
 
   auto frame = s.Build();
   const auto encodings = [&](const TextureRef& reference) {
