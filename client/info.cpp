@@ -1,5 +1,6 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 
 #include "client/commands.h"
 #include "client/frame_range.h"
@@ -40,7 +41,13 @@ Json InfoJson(const SceneInfo& info) {
   json["texture_pixels"] = info.texture_pixels;
   json["morph_targets"] = info.morph_targets;
   json["bounds_metres"] = BoundsJson(info.bounds);
-  json["cameras"] = json["animations"] = json["skins"] = json["images"] = Json::array();
+  json["materials_with"] = Json::object();
+  for (const auto& [use, count] : info.materials_with) json["materials_with"][use] = count;
+  json["cameras"] = json["animations"] = json["skins"] = json["images"] = json["lights"] = Json::array();
+  for (const auto& light : info.lights) {
+    json["lights"].push_back(
+        {{"name", light.name}, {"type", engine::KindName(light.kind)}, {"nodes", light.nodes}});
+  }
   for (const auto& camera : info.cameras) {
     json["cameras"].push_back({{"name", camera.name},
                                {"projection", camera.perspective ? "perspective" : "orthographic"},
@@ -65,7 +72,8 @@ Json InfoJson(const SceneInfo& info) {
     json["skins"].push_back({{"name", skin.name}, {"joints", skin.joints}});
   }
   for (const auto& image : info.images) {
-    json["images"].push_back({{"name", image.name}, {"width", image.width}, {"height", image.height}});
+    json["images"].push_back(
+        {{"name", image.name}, {"width", image.width}, {"height", image.height}, {"bits", image.bits}});
   }
   json["skipped_points"] = info.import.skipped_points;
   json["skipped_lines"] = info.import.skipped_lines;
@@ -91,6 +99,12 @@ void PrintInfo(const SceneInfo& info, std::ostream& out) {
   row("triangles", absl::StrCat(info.stored_triangles, " stored, ", info.drawn_triangles, " drawn"));
   row("materials", absl::StrCat(info.materials, ", ", info.textures, " textures, ", info.texture_pixels,
                                 " texture pixels"));
+  if (!info.materials_with.empty()) {
+    row("", absl::StrCat("with ",
+                         absl::StrJoin(info.materials_with, ", ", [](std::string* text, const auto& use) {
+                           absl::StrAppend(text, use.first, " ", use.second);
+                         })));
+  }
   if (!info.bounds.isEmpty()) {
     const auto& low = info.bounds.min;
     const auto& high = info.bounds.max;
@@ -104,6 +118,13 @@ void PrintInfo(const SceneInfo& info, std::ostream& out) {
         absl::StrCat(i, " ", Named(camera.name), camera.perspective ? ", perspective" : ", orthographic",
                      camera.node < 0 ? ", not in the default scene" : ""));
   }
+  for (size_t i = 0; i < info.lights.size(); ++i) {
+    const auto& light = info.lights[i];
+    const std::string places = light.nodes == 0   ? ", not in the default scene"
+                               : light.nodes == 1 ? ""
+                                                  : absl::StrCat(", at ", light.nodes, " nodes");
+    row("light", absl::StrCat(i, " ", Named(light.name), ", ", engine::KindName(light.kind), places));
+  }
   if (info.animations.empty()) row("animations", "none");
   for (size_t i = 0; i < info.animations.size(); ++i) {
     const auto& a = info.animations[i];
@@ -115,7 +136,8 @@ void PrintInfo(const SceneInfo& info, std::ostream& out) {
   }
   for (size_t i = 0; i < info.images.size(); ++i) {
     const auto& image = info.images[i];
-    row("image", absl::StrCat(i, " ", Named(image.name), ", ", image.width, "x", image.height));
+    row("image", absl::StrCat(i, " ", Named(image.name), ", ", image.width, "x", image.height,
+                              image.bits == 16 ? ", 16 bits" : ""));
   }
   const auto& report = info.import;
   if (report.skipped_points + report.skipped_lines + report.dropped_triangles > 0) {

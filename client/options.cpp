@@ -117,6 +117,19 @@ CLI::Option* AddLinesOption(CLI::App& app, RenderSettings& s) {
   return lines;
 }
 
+void AddLightOptions(CLI::App& app, JobOptions& o) {
+  RenderSettings& s = o.settings;
+  auto* lighting = AddValue(
+      app, "--lighting", "auto|scene|studio|headlight", "auto",
+      "auto: the scene's own lights, or a studio where it has\nnone; headlight: one at the camera",
+      [&](const std::string& t) {
+        return StoreWord(ParseLighting(t), s.lighting, "auto, scene, studio or headlight");
+      });
+  auto* ambient = AddValue(app, "--ambient", "R,G,B", "0,0,0", "Radiance that comes from everywhere, linear",
+                           [&](const std::string& t) { return Store(ParseColor(t, kMaxAmbient), s.ambient); });
+  for (CLI::Option* option : {lighting, ambient}) option->group("Light");
+}
+
 void AddMethodOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
   auto* integrator =
@@ -257,6 +270,7 @@ void AddJobOptions(CLI::App& app, JobOptions& options) {
                   "numbered before .exr");
   AddTimeOptions(app, options);
   AddPictureOptions(app, options);
+  AddLightOptions(app, options);
   AddMethodOptions(app, options);
   AddExperimentOptions(app, options);
   AddFileOptions(app, options);

@@ -62,4 +62,20 @@ absl::StatusOr<FrameSize> ParseFrameSize(absl::string_view text) {
   return FrameSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
 
+absl::StatusOr<std::array<double, 3>> ParseColor(absl::string_view text, double most) {
+  const std::string allowed = absl::StrCat("three numbers R,G,B from 0 to ", most, ", as in 0.5,0.5,1");
+  std::array<double, 3> color{};
+  for (size_t c = 0; c < 3; ++c) {
+    const size_t comma = text.find(',');
+    if ((comma == absl::string_view::npos) != (c == 2)) {
+      return absl::InvalidArgumentError(absl::StrCat("must be ", allowed));
+    }
+    const absl::StatusOr<double> value = ParseReal(text.substr(0, comma), 0, most, allowed);
+    if (!value.ok()) return value.status();
+    color[c] = *value;
+    if (c < 2) text.remove_prefix(comma + 1);
+  }
+  return color;
+}
+
 }  // namespace shutterline::client

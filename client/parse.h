@@ -3,6 +3,7 @@
 #include <absl/status/statusor.h>
 #include <absl/strings/string_view.h>
 
+#include <array>
 #include <cstdint>
 
 namespace shutterline::client {
@@ -21,5 +22,8 @@ struct FrameSize {
   int width = 0, height = 0;
 };
 absl::StatusOr<FrameSize> ParseFrameSize(absl::string_view text);
+
+/// Red, green and blue, "0.5,0.5,1", each from 0 to `most`.
+absl::StatusOr<std::array<double, 3>> ParseColor(absl::string_view text, double most);
 
 }  // namespace shutterline::client

@@ -9,6 +9,10 @@ std::string DescribeSettings(const RenderSettings& s) {
                                   " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
   if (s.motion_degree) absl::StrAppend(&text, " motion_degree=", *s.motion_degree);
   if (s.motion_pieces) absl::StrAppend(&text, " motion_pieces=", *s.motion_pieces);
+  absl::StrAppend(&text, " lighting=", ToString(s.lighting));
+  if (s.ambient != std::array<double, 3>{0, 0, 0}) {
+    absl::StrAppend(&text, " ambient=", s.ambient[0], ",", s.ambient[1], ",", s.ambient[2]);
+  }
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
     if (s.resolver == ResolverKind::kPaper) {

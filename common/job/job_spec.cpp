@@ -131,7 +131,7 @@ absl::Status Validate(const JobSpec& spec, const JobLimits& limits) {
 
 Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   CanonicalWriter writer;
-  writer.Text("shutterline picture 2");  // Changes with this encoding.
+  writer.Text("shutterline picture 3");  // Changes with this encoding.
   writer.Text(scene.root_name);
   std::vector<SceneFile> files = scene.files;
   std::sort(files.begin(), files.end(),
@@ -151,6 +151,8 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Text(render.animation);
   writer.Signed(render.motion_degree ? int64_t{*render.motion_degree} : -1);
   writer.Signed(render.motion_pieces ? int64_t{*render.motion_pieces} : -1);
+  writer.Text(ToString(render.lighting));
+  for (const double radiance : render.ambient) writer.Real(radiance);
   writer.Text(ToString(render.integrator));
   writer.Text(ToString(render.pattern));
   writer.Text(ToString(render.resolver));

@@ -27,6 +27,10 @@ constexpr Words<PatternKind, 7> kPatterns{{{PatternKind::kAuto, "auto"},
                                            {PatternKind::kRgls, "rgls"}}};
 constexpr Words<ResolverKind, 2> kResolvers{
     {{ResolverKind::kSlice, "slice"}, {ResolverKind::kPaper, "paper"}}};
+constexpr Words<LightingKind, 4> kLightings{{{LightingKind::kAuto, "auto"},
+                                             {LightingKind::kScene, "scene"},
+                                             {LightingKind::kStudio, "studio"},
+                                             {LightingKind::kHeadlight, "headlight"}}};
 constexpr Words<PixelType, 2> kPixelTypes{{{PixelType::kHalf, "half"}, {PixelType::kFloat, "float"}}};
 constexpr Words<ExrCompression, 4> kCompressions{{{ExrCompression::kNone, "none"},
                                                   {ExrCompression::kZip, "zip"},
@@ -80,6 +84,11 @@ absl::Status Validate(const RenderSettings& s) {
     return OutOfRange("motion_pieces", *s.motion_pieces,
                       absl::StrCat("a power of two from 1 to ", kMaxMotionPieces));
   }
+  for (const double radiance : s.ambient) {
+    if (!(radiance >= 0 && radiance <= kMaxAmbient)) {
+      return OutOfRange("ambient", radiance, absl::StrCat("0 to ", kMaxAmbient));
+    }
+  }
   if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
     return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");
   }
@@ -111,6 +120,9 @@ absl::string_view ToString(PatternKind kind) {
 absl::string_view ToString(ResolverKind kind) {
   return WordOf(kResolvers, kind);
 }
+absl::string_view ToString(LightingKind kind) {
+  return WordOf(kLightings, kind);
+}
 absl::string_view ToString(PixelType type) {
   return WordOf(kPixelTypes, type);
 }
@@ -128,6 +140,9 @@ std::optional<PatternKind> ParsePattern(absl::string_view word) {
 }
 std::optional<ResolverKind> ParseResolver(absl::string_view word) {
   return ValueOf(kResolvers, word);
+}
+std::optional<LightingKind> ParseLighting(absl::string_view word) {
+  return ValueOf(kLightings, word);
 }
 std::optional<PixelType> ParsePixelType(absl::string_view word) {
   return ValueOf(kPixelTypes, word);

@@ -3,6 +3,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/string_view.h>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,6 +16,8 @@ enum class ReferenceLayout { kMotionBvh, kSharedInstants };
 /// where none is.
 enum class PatternKind { kAuto, k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
+/// kAuto: the scene's own lights, or, where it has none, the studio.
+enum class LightingKind { kAuto, kScene, kStudio, kHeadlight };
 enum class PixelType { kHalf, kFloat };
 enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
 
@@ -43,6 +46,12 @@ struct RenderSettings {
   /// the least of both that follows the true path.
   std::optional<int> motion_degree;
   std::optional<int> motion_pieces;
+
+  // --- Light -------------------------------------------------------------------------------------
+  LightingKind lighting = LightingKind::kAuto;
+  /// Radiance that comes from everywhere, beside `lighting`: red, green and blue, 0 to kMaxAmbient. A head
+  /// light is alone all the same.
+  std::array<double, 3> ambient{0, 0, 0};
 
   // --- Method ------------------------------------------------------------------------------------
   IntegratorKind integrator = IntegratorKind::kLine;
@@ -89,6 +98,7 @@ inline constexpr int kMaxMotionDegree = 3;
 /// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
 inline constexpr int kMaxMotionPieces = 64;
 inline constexpr int kMaxTimeCells = 64;
+inline constexpr double kMaxAmbient = 1e6;
 inline constexpr int kMaxSpp = 1 << 20;
 
 /// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range and no
@@ -102,12 +112,14 @@ absl::string_view ToString(IntegratorKind kind);
 absl::string_view ToString(ReferenceLayout layout);
 absl::string_view ToString(PatternKind kind);
 absl::string_view ToString(ResolverKind kind);
+absl::string_view ToString(LightingKind kind);
 absl::string_view ToString(PixelType type);
 absl::string_view ToString(ExrCompression compression);
 std::optional<IntegratorKind> ParseIntegrator(absl::string_view word);
 std::optional<ReferenceLayout> ParseReferenceLayout(absl::string_view word);
 std::optional<PatternKind> ParsePattern(absl::string_view word);
 std::optional<ResolverKind> ParseResolver(absl::string_view word);
+std::optional<LightingKind> ParseLighting(absl::string_view word);
 std::optional<PixelType> ParsePixelType(absl::string_view word);
 std::optional<ExrCompression> ParseExrCompression(absl::string_view word);
 

@@ -31,6 +31,11 @@ constexpr Pairs<PatternKind, v1::Pattern, 7> kPatterns{{{PatternKind::kAuto, v1:
                                                         {PatternKind::kRgls, v1::PATTERN_RGLS}}};
 constexpr Pairs<ResolverKind, v1::Resolver, 2> kResolvers{
     {{ResolverKind::kSlice, v1::RESOLVER_SLICE}, {ResolverKind::kPaper, v1::RESOLVER_PAPER}}};
+constexpr Pairs<LightingKind, v1::Lighting, 4> kLightings{
+    {{LightingKind::kAuto, v1::LIGHTING_AUTO},
+     {LightingKind::kScene, v1::LIGHTING_SCENE},
+     {LightingKind::kStudio, v1::LIGHTING_STUDIO},
+     {LightingKind::kHeadlight, v1::LIGHTING_HEADLIGHT}}};
 constexpr Pairs<PixelType, v1::PixelType, 2> kPixelTypes{
     {{PixelType::kHalf, v1::PIXEL_TYPE_HALF}, {PixelType::kFloat, v1::PIXEL_TYPE_FLOAT}}};
 constexpr Pairs<ExrCompression, v1::Compression, 4> kCompressions{
@@ -86,6 +91,10 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_integrator(Out(kIntegrators, s.integrator));
   m.set_pattern(Out(kPatterns, s.pattern));
   m.set_resolver(Out(kResolvers, s.resolver));
+  m.set_lighting(Out(kLightings, s.lighting));
+  m.set_ambient_red(s.ambient[0]);
+  m.set_ambient_green(s.ambient[1]);
+  m.set_ambient_blue(s.ambient[2]);
   m.set_time_step(s.time_step);
   if (s.time_samples) m.set_time_samples(*s.time_samples);
   if (s.target_error) m.set_target_error(*s.target_error);
@@ -152,6 +161,8 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.integrator, In(kIntegrators, m.integrator(), field, "integrator"));
   SL_ASSIGN_OR_RETURN(s.pattern, In(kPatterns, m.pattern(), field, "pattern"));
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
+  SL_ASSIGN_OR_RETURN(s.lighting, In(kLightings, m.lighting(), field, "lighting"));
+  s.ambient = {m.ambient_red(), m.ambient_green(), m.ambient_blue()};
   s.time_step = m.time_step();
   if (m.has_time_samples()) s.time_samples = m.time_samples();
   s.target_error = m.has_target_error() ? std::optional(m.target_error()) : std::nullopt;

@@ -52,7 +52,7 @@ absl::Status DepthError(const ReportOptions& options) {
     SL_ASSIGN_OR_RETURN(const LoadedScene loaded, Load(scene));
     SL_ASSIGN_OR_RETURN(const auto frame_scene,
                         engine::BuildFrameScene(loaded.scene, scene.frame, scene.settings));
-    SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, options.threads));
+    SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, scene.settings, options.threads));
     const TileSubset subset = StratifiedTiles(scene.settings.width, scene.settings.height, options.Side(), 5);
     SL_ASSIGN_OR_RETURN(const double vector_difference,
                         MeasureVectorDifference(*frame_scene, scene.settings, subset, options.threads));

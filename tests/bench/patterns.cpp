@@ -58,7 +58,7 @@ absl::Status Patterns(const ReportOptions& options) {
     SL_ASSIGN_OR_RETURN(const ReferenceHalves reference,
                         RenderReference(frame_scene, scene.frame, scene.settings, whole, spp, options.threads,
                                         {options.cache}));
-    SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, options.threads));
+    SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, scene.settings, options.threads));
     const BenchMasks masks = MakeMasks(*probe, scene.frame, whole, options.threads);
     std::vector<HtmlPage::Picture> pictures;
     std::vector<std::vector<std::string>> rows;

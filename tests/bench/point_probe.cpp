@@ -6,14 +6,13 @@
 #include "common/base/status_macros.h"
 #include "worker/engine/reference/ray_packet.h"
 #include "worker/engine/shading/footprint.h"
-#include "worker/engine/shading/shade.h"
 
 namespace shutterline::bench {
 
 absl::StatusOr<std::unique_ptr<PointProbe>> PointProbe::Create(
-    std::shared_ptr<const engine::FrameScene> frame_scene, int threads) {
+    std::shared_ptr<const engine::FrameScene> frame_scene, const RenderSettings& settings, int threads) {
   SL_ASSIGN_OR_RETURN(engine::EmbreeFrame embree, engine::EmbreeFrame::Build(*frame_scene, threads));
-  return std::unique_ptr<PointProbe>(new PointProbe(std::move(frame_scene), std::move(embree)));
+  return std::unique_ptr<PointProbe>(new PointProbe(std::move(frame_scene), settings, std::move(embree)));
 }
 
 template <int kWidth>
@@ -70,14 +69,14 @@ V3f PointProbe::Radiance(const ProbeHit& hit, double t) const {
   const engine::FrameTriangle& triangle = frame_scene_->triangles[hit.triangle];
   const engine::FramePrimitive& primitive = frame_scene_->primitives[triangle.primitive];
   const engine::Barycentric at{hit.b1, hit.b2};
-  if (engine::IsConstantShade(*frame_scene_, primitive)) {
-    return engine::Shade(*frame_scene_, hit.triangle, at, engine::Footprint{});
+  if (shader_.IsConstant(primitive)) {
+    return shader_.Shade(hit.triangle, at, engine::Footprint{});
   }
   RasterPoint vertices[3];
   for (int i = 0; i < 3; ++i) {
     vertices[i] = frame_scene_->VertexAt(primitive, triangle.vertices[size_t(i)], t);
   }
-  return engine::Shade(*frame_scene_, hit.triangle, at, engine::PixelFootprint(vertices, at));
+  return shader_.Shade(hit.triangle, at, engine::PixelFootprint(vertices, at));
 }
 
 double PointProbe::Distance(const ProbeHit& hit, double t) const {

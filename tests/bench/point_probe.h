@@ -7,9 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "common/job/render_settings.h"
 #include "common/math/spaces.h"
 #include "worker/engine/reference/embree_frame.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/shading/shade.h"
 
 namespace shutterline::bench {
 
@@ -29,12 +31,13 @@ struct ProbeHit {
 class PointProbe {
  public:
   static absl::StatusOr<std::unique_ptr<PointProbe>> Create(
-      std::shared_ptr<const engine::FrameScene> frame_scene, int threads);
+      std::shared_ptr<const engine::FrameScene> frame_scene, const RenderSettings& settings, int threads);
 
   /// `hits` is as long as `points`; what comes out depends on each point alone.
   void See(std::span<const ProbePoint> points, std::span<ProbeHit> hits) const;
 
   const engine::FrameScene& frame_scene() const { return *frame_scene_; }
+  const engine::Shader& shader() const { return shader_; }
   /// What the reference integrator shades there.
   V3f Radiance(const ProbeHit& hit, double t) const;
   /// Distance along the view direction, metres.
@@ -43,8 +46,9 @@ class PointProbe {
   V2d Motion(const ProbeHit& hit) const;
 
  private:
-  PointProbe(std::shared_ptr<const engine::FrameScene> frame_scene, engine::EmbreeFrame embree)
-      : frame_scene_(std::move(frame_scene)), embree_(std::move(embree)) {}
+  PointProbe(std::shared_ptr<const engine::FrameScene> frame_scene, const RenderSettings& settings,
+             engine::EmbreeFrame embree)
+      : frame_scene_(std::move(frame_scene)), shader_(frame_scene_, settings), embree_(std::move(embree)) {}
 
   template <int kWidth>
   void SeePackets(std::span<const ProbePoint> points, std::span<ProbeHit> hits) const;
@@ -52,6 +56,7 @@ class PointProbe {
   RasterPoint At(const ProbeHit& hit, double t) const;
 
   std::shared_ptr<const engine::FrameScene> frame_scene_;
+  engine::Shader shader_;
   engine::EmbreeFrame embree_;
 };
 

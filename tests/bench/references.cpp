@@ -27,7 +27,7 @@ namespace {
 /// Each half is the mean of so many pictures of seeds of their own, which tell the noise.
 constexpr int kChunksPerHalf = 2;
 /// To be changed with what a cached reference means.
-constexpr const char* kVersion = "reference 1";
+constexpr const char* kVersion = "reference 2";
 
 template <typename T>
 absl::string_view Bytes(const std::vector<T>& values) {
@@ -35,8 +35,8 @@ absl::string_view Bytes(const std::vector<T>& values) {
 }
 
 /// Everything that the pictures follow from.
-std::string CacheKey(const engine::FrameScene& frame_scene, const TileSubset& subset,
-                     const std::string& what) {
+std::string CacheKey(const engine::Shader& shader, const TileSubset& subset, const std::string& what) {
+  const engine::FrameScene& frame_scene = shader.frame();
   Sha256Stream hash;
   hash.Update(absl::StrCat(kVersion, ";", what, ";", frame_scene.view.width, "x", frame_scene.view.height,
                            ";", frame_scene.view.perspective, ";"));
@@ -48,7 +48,7 @@ std::string CacheKey(const engine::FrameScene& frame_scene, const TileSubset& su
   hash.Update(Bytes(frame_scene.normals));
   hash.Update(Bytes(subset.tiles));
   for (uint32_t i = 0; i < frame_scene.triangles.size(); i += 7) {  // Stands for materials and colours.
-    const V3f color = engine::Shade(frame_scene, i, {0.3, 0.3}, {});
+    const V3f color = shader.Shade(i, {0.3, 0.3}, {});
     hash.Update({reinterpret_cast<const char*>(&color), sizeof color});
   }
   for (const engine::FramePrimitive& primitive : frame_scene.primitives) {
@@ -231,7 +231,7 @@ absl::StatusOr<ReferenceHalves> RenderReference(std::shared_ptr<const engine::Fr
   RenderSettings chunk_settings = settings;
   chunk_settings.integrator = IntegratorKind::kReference;
   chunk_settings.spp = spp / (2 * kChunksPerHalf);
-  const std::string key = CacheKey(*frame_scene, subset, absl::StrCat("points;", frame, ";", spp));
+  const std::string key = CacheKey(engine::Shader(frame_scene, settings), subset, absl::StrCat("points;", frame, ";", spp));
   return Cached(key, subset, spp, cache, [&](int chunk) {
     chunk_settings.seed = 7000001 + uint64_t(chunk);
     return RenderSubset(frame_scene, frame, chunk_settings, subset, threads);
@@ -243,7 +243,7 @@ absl::StatusOr<LineReference> RenderLineReference(const PointProbe& probe, int f
                                                   int spp, int threads, const ReferenceCache& cache) {
   const auto& pattern = engine::LinePattern::Get(settings.pattern);
   const std::string key =
-      CacheKey(probe.frame_scene(), subset,
+      CacheKey(probe.shader(), subset,
                absl::StrCat("lines;", std::string(ToString(settings.pattern)), ";", frame, ";", spp));
   // Both pictures are rendered at once, as one of twice the tiles.
   TileSubset both = subset;

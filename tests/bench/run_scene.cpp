@@ -86,7 +86,7 @@ absl::StatusOr<SceneResult> RunScene(const BenchScene& scene, const std::vector<
   result.reference_seconds = watch.Wall();
   SL_ASSIGN_OR_RETURN(result.flip_floor,
                       MeasureFlip(result.reference.a, result.reference.b, options.threads));
-  SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, options.threads));
+  SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame_scene, scene.settings, options.threads));
   const BenchMasks masks = MakeMasks(*probe, scene.frame, subset, options.threads);
   result.moving = MaskShare(masks.moving);
   result.static_edges = MaskShare(masks.static_edges);

@@ -55,6 +55,8 @@ TEST(Info, TellsWhatASceneContains) {
   EXPECT_EQ(json["cameras"][0]["projection"], "orthographic");
   EXPECT_TRUE(json["cameras"][0]["node"].is_null());
   EXPECT_EQ(json["animations"], nlohmann::json::array());
+  EXPECT_EQ(json["lights"], nlohmann::json::array());
+  EXPECT_EQ(json["materials_with"], nlohmann::json::object());
 
   const Outcome text = RunProgram({"info", folder.File("two.gltf")});
   EXPECT_EQ(text.code, 0);

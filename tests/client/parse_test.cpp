@@ -35,6 +35,16 @@ TEST(Parse, FrameSize) {
   }
 }
 
+TEST(Parse, Color) {
+  const auto color = ParseColor("0.5,0,12", 12);
+  ASSERT_TRUE(color.ok());
+  EXPECT_EQ(*color, (std::array<double, 3>{0.5, 0, 12}));
+  for (const char* text : {"", "1", "1,1", "1,1,1,1", "1,1,", ",1,1", "1, 1,1", "-1,0,0", "0,0,13", "nan,0,0",
+                           "1;1;1", "red"}) {
+    EXPECT_FALSE(ParseColor(text, 12).ok()) << text;
+  }
+}
+
 TEST(Parse, HostPort) {
   for (const char* text : {"localhost:7400", "127.0.0.1:1", "farm-1.example:65535", "[::1]:7400"}) {
     EXPECT_TRUE(CheckHostPort(text).ok()) << text;

@@ -38,6 +38,8 @@ JobSpec RandomSpec(std::mt19937& random) {
   if (below(2)) r.motion_pieces = 1 << below(7);
   r.integrator = IntegratorKind(below(3));
   r.reference_layout = ReferenceLayout(below(2));
+  r.lighting = LightingKind(below(4));
+  r.ambient = {below(10) / 3.0, below(10) / 3.0, below(10) / 3.0};
   r.pattern = PatternKind(below(6));
   r.time_step = 0.001 + below(1000) / 9.0;
   r.time_cells = 1 + below(kMaxTimeCells);

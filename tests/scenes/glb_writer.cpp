@@ -1,6 +1,8 @@
 #include "tests/scenes/glb_writer.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -35,6 +37,13 @@ class Buffer {
   int AddVectors(const std::vector<V3f>& values) {
     return Add(values.data(), values.size(), "VEC3", kFloat, kArrayBuffer);
   }
+  /// A view without an accessor, padded so that what follows stays aligned; the view's number.
+  int AddBytes(const std::string& bytes) {
+    views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
+    bytes_ += bytes;
+    bytes_.append((4 - bytes_.size() % 4) % 4, '\0');
+    return int(views_.size()) - 1;
+  }
   /// Positions, also a morph target's, must state their bounds.
   int AddPositions(const std::vector<V3f>& values) {
     const int accessor = AddVectors(values);
@@ -66,15 +75,100 @@ class Buffer {
   json accessors_ = json::array(), views_ = json::array();
 };
 
+/// A whole number as an integer, for files that people read.
+json Plain(float value) {
+  return value == std::floor(value) && std::abs(value) < 1e6f ? json(int(value)) : json(value);
+}
+
+json Triple(const V3f& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// The file has one texture an image, of the same number.
+json TextureJson(const TextureUse& use) {
+  json result = {{"index", use.image}};
+  json transform = json::object();
+  if (use.offset != V2f(0)) transform["offset"] = {use.offset.x, use.offset.y};
+  if (use.rotation != 0) transform["rotation"] = use.rotation;
+  if (use.scale != V2f(1)) transform["scale"] = {use.scale.x, use.scale.y};
+  if (!transform.empty()) result["extensions"]["KHR_texture_transform"] = transform;
+  return result;
+}
+
+void AddTextures(const Material& material, json& result) {
+  json& pbr = result["pbrMetallicRoughness"];
+  if (material.color_texture.image >= 0) pbr["baseColorTexture"] = TextureJson(material.color_texture);
+  if (material.metallic_roughness_texture.image >= 0) {
+    pbr["metallicRoughnessTexture"] = TextureJson(material.metallic_roughness_texture);
+  }
+  if (material.normal_texture.image >= 0) {
+    result["normalTexture"] = TextureJson(material.normal_texture);
+    if (material.normal_scale != 1) result["normalTexture"]["scale"] = material.normal_scale;
+  }
+  if (material.occlusion_texture.image >= 0) {
+    result["occlusionTexture"] = TextureJson(material.occlusion_texture);
+    if (material.occlusion_strength != 1) {
+      result["occlusionTexture"]["strength"] = material.occlusion_strength;
+    }
+  }
+  if (material.emission_texture.image >= 0)
+    result["emissiveTexture"] = TextureJson(material.emission_texture);
+}
+
+void AddEmission(const Material& material, json& result) {
+  if (material.emission == V3f(0)) return;
+  // The factor is at most 1; what is above goes into the strength.
+  const float strength = std::max({1.f, material.emission.x, material.emission.y, material.emission.z});
+  result["emissiveFactor"] = Triple(material.emission / strength);
+  if (strength > 1)
+    result["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+}
+
 json MaterialJson(const Material& material) {
-  json result = {{"name", material.name},
-                 {"pbrMetallicRoughness",
-                  {{"baseColorFactor", {material.color.x, material.color.y, material.color.z, 1}},
-                   {"metallicFactor", 0},
-                   {"roughnessFactor", 1}}}};
+  json result = {
+      {"name", material.name},
+      {"pbrMetallicRoughness",
+       {{"baseColorFactor", {material.color.x, material.color.y, material.color.z, Plain(material.alpha)}},
+        {"metallicFactor", Plain(material.metallic)},
+        {"roughnessFactor", Plain(material.roughness)}}}};
   if (material.unlit) result["extensions"]["KHR_materials_unlit"] = json::object();
   if (material.double_sided) result["doubleSided"] = true;
+  if (material.alpha_mode == AlphaMode::kBlend) result["alphaMode"] = "BLEND";
+  if (material.alpha_mode == AlphaMode::kMask) {
+    result["alphaMode"] = "MASK";
+    result["alphaCutoff"] = material.alpha_cutoff;
+  }
+  if (material.ior != 1.5f) result["extensions"]["KHR_materials_ior"] = {{"ior", material.ior}};
+  if (material.specular != 1 || material.specular_color != V3f(1)) {
+    result["extensions"]["KHR_materials_specular"] = {
+        {"specularFactor", material.specular}, {"specularColorFactor", Triple(material.specular_color)}};
+  }
+  AddEmission(material, result);
+  AddTextures(material, result);
   return result;
+}
+
+json LightJson(const Light& light) {
+  const char* type = light.kind == Light::Kind::kDirectional ? "directional"
+                     : light.kind == Light::Kind::kPoint     ? "point"
+                                                             : "spot";
+  json result = {{"type", type}, {"color", Triple(light.color)}, {"intensity", light.intensity}};
+  if (light.range > 0) result["range"] = light.range;
+  if (light.kind == Light::Kind::kSpot) {
+    result["spot"] = {{"innerConeAngle", light.inner_cone}, {"outerConeAngle", light.outer_cone}};
+  }
+  return result;
+}
+
+/// The names of all extensions that objects anywhere in `value` have.
+void CollectExtensions(const json& value, std::set<std::string>& names) {
+  if (!value.is_structured()) return;
+  for (const auto& [key, member] : value.items()) {
+    if (value.is_object() && key == "extensions") {
+      for (const auto& extension : member.items()) names.insert(extension.key());
+    }
+    CollectExtensions(member, names);
+  }
 }
 
 json PrimitiveJson(const Primitive& primitive, size_t materials, Buffer& buffer) {
@@ -93,6 +187,16 @@ json PrimitiveJson(const Primitive& primitive, size_t materials, Buffer& buffer)
   if (!primitive.colors.empty()) {
     SL_CHECK(primitive.colors.size() == count);
     result["attributes"]["COLOR_0"] = buffer.AddVectors(primitive.colors);
+  }
+  if (!primitive.texcoords.empty()) {
+    SL_CHECK(primitive.texcoords.size() == count);
+    result["attributes"]["TEXCOORD_0"] =
+        buffer.Add(primitive.texcoords.data(), count, "VEC2", kFloat, kArrayBuffer);
+  }
+  if (!primitive.tangents.empty()) {
+    SL_CHECK(primitive.tangents.size() == count);
+    result["attributes"]["TANGENT"] =
+        buffer.Add(primitive.tangents.data(), count, "VEC4", kFloat, kArrayBuffer);
   }
   if (!primitive.morph_offsets.empty()) {
     SL_CHECK(primitive.morph_offsets.size() == count);
@@ -127,6 +231,7 @@ json NodeJson(const Node& node) {
   if (node.mesh >= 0) result["mesh"] = node.mesh;
   if (node.camera >= 0) result["camera"] = node.camera;
   if (!node.children.empty()) result["children"] = node.children;
+  if (node.light >= 0) result["extensions"]["KHR_lights_punctual"]["light"] = node.light;
   return result;
 }
 
@@ -180,17 +285,20 @@ std::string EncodeGlb(const GlbScene& scene) {
   json root = {{"asset", {{"version", "2.0"}, {"generator", "shutterline-scenes"}}},
                {"scene", 0},
                {"scenes", {{{"name", scene.name}, {"nodes", Roots(scene)}}}}};
-  bool unlit = false;
   for (const Material& material : scene.materials) {
+    for (const TextureUse& use :
+         {material.color_texture, material.metallic_roughness_texture, material.normal_texture,
+          material.occlusion_texture, material.emission_texture}) {
+      SL_CHECK(use.image < int(scene.images.size()));
+    }
     root["materials"].push_back(MaterialJson(material));
-    unlit = unlit || material.unlit;
   }
-  if (unlit) root["extensionsUsed"] = {"KHR_materials_unlit"};
   for (const Mesh& mesh : scene.meshes) {
     root["meshes"].push_back(MeshJson(mesh, scene.materials.size(), buffer));
   }
   for (const Node& node : scene.nodes) {
     SL_CHECK(node.mesh < int(scene.meshes.size()) && node.camera < int(scene.cameras.size()));
+    SL_CHECK(node.light < int(scene.lights.size()));
     root["nodes"].push_back(NodeJson(node));
   }
   for (const Camera& camera : scene.cameras) {
@@ -200,6 +308,17 @@ std::string EncodeGlb(const GlbScene& scene) {
           {{"yfov", camera.yfov}, {"aspectRatio", camera.aspect_ratio}, {"znear", camera.znear}}}});
   }
   if (!scene.channels.empty()) root["animations"].push_back(AnimationJson(scene, buffer));
+  for (const Image& image : scene.images) {
+    root["textures"].push_back({{"source", root["images"].size()}});
+    root["images"].push_back(
+        {{"name", image.name}, {"mimeType", "image/png"}, {"bufferView", buffer.AddBytes(image.png)}});
+  }
+  for (const Light& light : scene.lights) {
+    root["extensions"]["KHR_lights_punctual"]["lights"].push_back(LightJson(light));
+  }
+  std::set<std::string> extensions;
+  CollectExtensions(root, extensions);
+  if (!extensions.empty()) root["extensionsUsed"] = extensions;
   root["accessors"] = buffer.accessors();
   root["bufferViews"] = buffer.views();
   root["buffers"].push_back({{"byteLength", buffer.bytes().size()}});

@@ -56,6 +56,7 @@ std::shared_ptr<const Scene> WithFlatColors(const Scene& scene) {
     material.base_color_texture = {};
     material.emissive_factor = V3f(0, 0, 0);
     material.emissive_texture = {};
+    material.alpha_mode = AlphaMode::kOpaque;
     material.unlit = true;
   }
   for (Mesh& mesh : flat->meshes) {

@@ -58,6 +58,64 @@ GltfBuilder TexturedStrip(bool png) {
   return file;
 }
 
+/// A quad with a material of all textures and factors, one with tangents and one without, and lights.
+GltfBuilder ShinyAndLit() {
+  GltfBuilder file;
+  const int positions = file.Floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+  const int normals = file.Floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const int uv = file.Floats("VEC2", {0, 1, 1, 1, 0, 0, 1, 0});
+  const int tangents = file.Floats("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+  const auto texture = [](int index, const char* factor) {
+    Json info = {{"index", index},
+                 {"texCoord", 1},
+                 {"extensions",
+                  {{"KHR_texture_transform",
+                    {{"offset", {0.5, -1}}, {"rotation", 1.5}, {"scale", {2, 3}}, {"texCoord", 0}}}}}};
+    if (factor != nullptr) info[factor] = 0.5;
+    return info;
+  };
+  const int material =
+      file.Add("materials", {{"pbrMetallicRoughness",
+                              {{"metallicFactor", 0.5},
+                               {"roughnessFactor", 0.25},
+                               {"baseColorTexture", texture(0, nullptr)},
+                               {"metallicRoughnessTexture", texture(1, nullptr)}}},
+                             {"normalTexture", texture(0, "scale")},
+                             {"occlusionTexture", texture(1, "strength")},
+                             {"emissiveTexture", texture(0, nullptr)},
+                             {"emissiveFactor", {1, 0.5, 0}},
+                             {"alphaMode", "MASK"},
+                             {"alphaCutoff", 0.25},
+                             {"extensions",
+                              {{"KHR_materials_emissive_strength", {{"emissiveStrength", 5}}},
+                               {"KHR_materials_ior", {{"ior", 1.33}}},
+                               {"KHR_materials_specular",
+                                {{"specularFactor", 0.5},
+                                 {"specularTexture", texture(1, nullptr)},
+                                 {"specularColorFactor", {0.5, 1, 2}},
+                                 {"specularColorTexture", texture(0, nullptr)}}}}}});
+  Json attributes = {{"POSITION", positions}, {"NORMAL", normals}, {"TEXCOORD_0", uv}};
+  const int indices = file.Indices({0, 1, 2, 2, 1, 3});
+  file.Draw(file.Mesh({{"attributes", attributes}, {"indices", indices}, {"material", material}}));
+  attributes["TANGENT"] = tangents;
+  file.Draw(file.Mesh({{"attributes", attributes}, {"indices", indices}, {"material", material}}));
+  file.Add("textures", {{"source", 0}});
+  file.Add("textures", {{"source", 1}});
+  file.Add("images", {{"bufferView", file.View(Picture(true))}});
+  file.Add("images", {{"bufferView", file.View(Picture(false))}});
+  file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "directional"}, {"color", {1, 0.5, 0.25}}, {"intensity", 3}},
+      {{"type", "point"}, {"range", 9}, {"name", "bulb"}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}}};
+  for (size_t light = 0; light < 2; ++light) {
+    file.json["nodes"][light]["extensions"]["KHR_lights_punctual"]["light"] = light + 1;
+  }
+  file.json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+                                 "KHR_materials_ior", "KHR_materials_specular", "KHR_texture_transform"};
+  file.json["extensionsRequired"] = {"KHR_texture_transform"};
+  return file;
+}
+
 GltfBuilder SkinnedAndMorphed() {
   GltfBuilder file;
   const int positions = file.Floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -125,7 +183,7 @@ GltfBuilder SparseAndMatrix() {
 
 std::vector<GltfBuilder> GltfSeeds() {
   std::vector<GltfBuilder> seeds = {TexturedStrip(true), TexturedStrip(false), SkinnedAndMorphed(),
-                                    SparseAndMatrix()};
+                                    SparseAndMatrix(), ShinyAndLit()};
   for (GltfBuilder& seed : seeds) seed.json["buffers"][0] = {{"byteLength", seed.buffer.size()}};
   return seeds;
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "worker/engine/scene/material_textures.h"
+
 namespace shutterline::engine {
 namespace {
 
@@ -47,6 +49,10 @@ std::string BrokenIn(const Scene& scene, const MeshPrimitive& primitive) {
   SL_HOLD(EmptyOrFinite(primitive.texcoords[0], count));
   SL_HOLD(EmptyOrFinite(primitive.texcoords[1], count));
   SL_HOLD(EmptyOrFinite(primitive.colors, count));
+  SL_HOLD(EmptyOrFinite(primitive.tangents, 3 * primitive.triangles.size()));
+  SL_HOLD(ShowsNormalTexture(scene.materials[size_t(primitive.material)], primitive) !=
+          primitive.tangents.empty());
+  for (const V4f& tangent : primitive.tangents) SL_HOLD(std::fabs(tangent.w) == 1);
   SL_HOLD(primitive.influences.empty() || primitive.influences.size() == count);
   for (const VertexInfluences& influences : primitive.influences) {
     SL_HOLD(AllFinite(influences.weights));
@@ -75,6 +81,7 @@ std::string BrokenIn(const Scene& scene, const Node& node) {
   SL_HOLD(InOrNone(node.mesh, scene.meshes.size()));
   SL_HOLD(InOrNone(node.skin, scene.skins.size()));
   SL_HOLD(InOrNone(node.camera, scene.cameras.size()));
+  SL_HOLD(InOrNone(node.light, scene.lights.size()));
   const int self = int(&node - scene.nodes.data());
   for (const int child : node.children) {
     SL_HOLD(In(child, scene.nodes.size()));
@@ -94,6 +101,35 @@ std::string BrokenIn(const Scene& scene, const Node& node) {
       for (const uint16_t joint : influences.joints) SL_HOLD(joint < joints);
     }
   }
+  return "";
+}
+
+std::string BrokenIn(const Scene& scene, const Material& material) {
+  const auto is_unit = [](float value) { return value >= 0 && value <= 1; };
+  for (int i = 0; i < 4; ++i) SL_HOLD(is_unit(material.base_color_factor[i]));
+  SL_HOLD(is_unit(material.metallic_factor) && is_unit(material.roughness_factor));
+  SL_HOLD(is_unit(material.occlusion_strength) && is_unit(material.specular_factor));
+  SL_HOLD(std::isfinite(material.normal_scale) && std::isfinite(material.alpha_cutoff));
+  SL_HOLD(material.ior == 0 || (material.ior >= 1 && std::isfinite(material.ior)));
+  SL_HOLD(Finite(material.emissive_factor) && Finite(material.specular_color_factor));
+  for (int i = 0; i < 3; ++i) {
+    SL_HOLD(material.emissive_factor[i] >= 0 && material.specular_color_factor[i] >= 0);
+  }
+  for (const MaterialTexture& texture : TexturesOf(material)) {
+    SL_HOLD(In(texture.reference->texture, scene.textures.size()));
+    SL_HOLD(In(texture.reference->texcoord, 2));
+    const TextureTransform& transform = texture.reference->transform;
+    SL_HOLD(Finite(transform.offset) && Finite(transform.scale) && std::isfinite(transform.rotation));
+  }
+  return "";
+}
+
+std::string BrokenIn(const PunctualLight& light) {
+  SL_HOLD(Finite(light.color) && std::isfinite(light.intensity) && std::isfinite(light.range));
+  SL_HOLD(light.intensity >= 0 && light.range >= 0);
+  for (int i = 0; i < 3; ++i) SL_HOLD(light.color[i] >= 0);
+  SL_HOLD(light.inner_cone >= 0 && light.inner_cone <= light.outer_cone);
+  SL_HOLD(light.outer_cone > 0 && light.outer_cone <= 1.5707964f);
   return "";
 }
 
@@ -127,13 +163,16 @@ std::string BrokenSceneInvariant(const Scene& scene) {
   }
   SL_HOLD(!scene.materials.empty());
   for (const Material& material : scene.materials) {
-    SL_HOLD(InOrNone(material.base_color_texture.texture, scene.textures.size()));
-    SL_HOLD(InOrNone(material.emissive_texture.texture, scene.textures.size()));
+    if (std::string broken = BrokenIn(scene, material); !broken.empty()) return broken;
+  }
+  for (const PunctualLight& light : scene.lights) {
+    if (std::string broken = BrokenIn(light); !broken.empty()) return broken;
   }
   for (const Texture& texture : scene.textures) SL_HOLD(In(texture.image, scene.images.size()));
   for (const TextureImage& image : scene.images) {
     SL_HOLD(image.width > 0 && image.height > 0);
-    SL_HOLD(image.rgba.size() == size_t(image.width) * size_t(image.height) * 4);
+    SL_HOLD(image.rgba.empty() != image.rgba16.empty());
+    SL_HOLD(image.rgba.size() + image.rgba16.size() == size_t(image.width) * size_t(image.height) * 4);
   }
   for (const Skin& skin : scene.skins) {
     SL_HOLD(skin.inverse_bind_matrices.size() == skin.joints.size());

@@ -45,6 +45,43 @@ TEST(SceneInfo, CountsWhatIsStoredAndWhatIsDrawn) {
   EXPECT_EQ(info.skins[0].joints, 2);
 }
 
+TEST(SceneInfo, TellsLightsAndWhatMaterialsUse) {
+  SceneBuilder b;
+  b.AddNode(-1, V3d(0), b.AddMesh(Triangle()));
+  b.scene->images.resize(2);
+  b.scene->images[0].rgba = {1, 2, 3, 4};
+  b.scene->images[1].rgba16 = {1, 2, 3, 4};
+  b.scene->textures.resize(1);
+  Material& shiny = b.scene->materials[0];
+  shiny.normal_texture.texture = 0;
+  shiny.emissive_texture.texture = 0;
+  shiny.emissive_texture.transform.rotation = 1;
+  shiny.emissive_factor = {0, 0, 2};
+  Material flat;
+  flat.unlit = true;
+  flat.alpha_mode = AlphaMode::kMask;
+  flat.normal_texture.texture = 0;  // Not looked at.
+  b.scene->materials.push_back(flat);
+  b.scene->materials.emplace_back();  // glTF's default material.
+  b.scene->lights.resize(2);
+  b.scene->lights[0].kind = PunctualLight::Kind::kDirectional;
+  b.scene->lights[1].kind = PunctualLight::Kind::kSpot;
+  for (int i = 0; i < 2; ++i) b.scene->nodes[size_t(b.AddNode())].light = 1;
+  const SceneInfo info = DescribeScene(*b.scene);
+  EXPECT_EQ(info.materials_with, (std::map<std::string, int64_t>{{"alpha mask", 1},
+                                                                 {"emission", 1},
+                                                                 {"emissive texture", 1},
+                                                                 {"normal texture", 1},
+                                                                 {"texture transform", 1},
+                                                                 {"unlit", 1}}));
+  ASSERT_EQ(info.lights.size(), 2u);
+  EXPECT_EQ(info.lights[0].nodes, 0);
+  EXPECT_EQ(info.lights[1].nodes, 2);
+  EXPECT_EQ(KindName(info.lights[1].kind), "spot");
+  EXPECT_EQ(info.images[0].bits, 8);
+  EXPECT_EQ(info.images[1].bits, 16);
+}
+
 TEST(FrameInfo, CountsByDegree) {
   SceneBuilder b;
   b.AddCamera();

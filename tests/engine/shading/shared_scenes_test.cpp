@@ -45,7 +45,8 @@ RenderSettings SmallFrame() {
   return settings;
 }
 
-void ExpectDrawable(const FrameScene& frame, bool automatic_camera) {
+void ExpectDrawable(const Shader& shader, bool automatic_camera) {
+  const FrameScene& frame = shader.frame();
   int64_t outside = 0, dark = 0;
   for (uint32_t i = 0; i < frame.triangles.size(); ++i) {
     const FrameTriangle& triangle = frame.triangles[i];
@@ -56,7 +57,7 @@ void ExpectDrawable(const FrameScene& frame, bool automatic_camera) {
       const bool inside = p.z < p.w && x > 0 && x < frame.view.width && y > 0 && y < frame.view.height;
       outside += !inside;
     }
-    const V3f color = Shade(frame, i, {1 / 3.0, 1 / 3.0}, {});
+    const V3f color = shader.Shade(i, {1 / 3.0, 1 / 3.0}, {});
     const bool valid = color.x >= 0 && color.y >= 0 && color.z >= 0 && color.x + color.y + color.z < 100;
     dark += !valid;
   }
@@ -82,7 +83,7 @@ TEST(SharedSceneFrames, EveryAnimationOfEverySceneIsFramedAndShaded) {
         ASSERT_TRUE(frame.ok()) << frame.status();
         EXPECT_EQ(int64_t((*frame)->triangles.size()), info.drawn_triangles);
         EXPECT_EQ((*frame)->dropped_triangles, 0);
-        ExpectDrawable(**frame, info.cameras.empty());
+        ExpectDrawable(Shader(*frame, settings), info.cameras.empty());
         if (scene->animations.empty()) {
           EXPECT_EQ(DescribeFrame(**frame).primitives_by_degree[1], 0);
           break;

@@ -13,6 +13,7 @@
 #include "common/base/check.h"
 #include "common/base/status_macros.h"
 #include "worker/engine/reference/ray_packet.h"
+#include "worker/engine/reference/ray_walk.h"
 
 namespace shutterline::engine {
 namespace {
@@ -64,7 +65,7 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
 InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, int frame,
                              const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
-      shader_(frame_scene_),
+      shader_(frame_scene_, settings),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
@@ -106,19 +107,13 @@ void InstantTracer::RenderTile(const TileRect& rect, std::span<float> rgba, Rend
         const PixelPoint p = points[size_t(block * kWidth + lane)].At(digits);
         camera.Set(packet, lane, lane_x(block, lane) + p.x, lane_y(block, lane) + p.y, 0);
       }
-      NearestHits nearest;
-      IntersectCoherent(valid, scene.scene(), nearest.context, packet);
-      for (int lane = 0; lane < kWidth; ++lane) {
-        const unsigned geometry = packet.hit.geomID[lane];
-        if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
-        const uint32_t triangle = frame_scene_->primitives[geometry].first_triangle + packet.hit.primID[lane];
-        const V3f radiance =
-            shader_.Radiance(triangle, packet.hit.u[lane], packet.hit.v[lane], instants_[size_t(s)]);
-        std::array<double, 4>& sum = sums[size_t(block * kWidth + lane)];
-        sum[0] += double(radiance.x);
-        sum[1] += double(radiance.y);
-        sum[2] += double(radiance.z);
-        sum[3] += 1;
+      std::array<double, kWidth> times;
+      times.fill(instants_[size_t(s)]);
+      std::array<std::array<double, 4>, kWidth> seen{};
+      WalkRays<kWidth>(shader_, scene.scene(), valid, times, packet, seen);
+      for (size_t lane = 0; lane < kWidth; ++lane) {
+        std::array<double, 4>& sum = sums[size_t(block) * kWidth + lane];
+        for (size_t c = 0; c < 4; ++c) sum[c] += seen[lane][c];
       }
     }
   }

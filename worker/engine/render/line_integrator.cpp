@@ -11,7 +11,6 @@
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/stage_timer.h"
 #include "worker/engine/shading/footprint.h"
-#include "worker/engine/shading/shade.h"
 
 namespace shutterline::engine {
 namespace {
@@ -29,14 +28,9 @@ bool CanonicalOrder(const Contribution& a, const Contribution& b) {
          std::tie(b.weight, b.color.x, b.color.y, b.color.z);
 }
 
-/// The footprint of a pixel in the middle of the pair's part of the shutter.
-Footprint FootprintOf(const FrameScene& frame, const PixelPair& pair, const Barycentric& at, int bins_log2) {
-  const FrameTriangle& triangle = frame.triangles[pair.triangle];
-  const FramePrimitive& primitive = frame.primitives[triangle.primitive];
-  const double t = (pair.bin + 0.5) / double(1u << bins_log2);
-  RasterPoint vertices[3];
-  for (int i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, triangle.vertices[i], t);
-  return PixelFootprint(vertices, at);
+/// The middle of the pair's part of the shutter.
+double MiddleOf(const PixelPair& pair) {
+  return (pair.bin + 0.5) / double(1u << pair.bins_log2);
 }
 
 }  // namespace
@@ -52,8 +46,9 @@ LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, const Re
                                std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame)),
       bvh_(std::move(bvh)),
+      shader_(frame_, settings),
       resolver_(MakeResolver(settings)),
-      traits_(TraitsOf(*frame_)) {}
+      traits_(shader_.Traits()) {}
 
 void LineIntegrator::Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
   SL_CHECK(int64_t(rgba.size()) == 4 * rect.Area());
@@ -78,7 +73,7 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   PairWeights weights;
   ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
                  [this](uint32_t triangle) { return GuessOf(triangle); });
-  resolver_->Resolve({*frame_, traits_, part, candidates}, weights, &film, stats);
+  resolver_->Resolve({*frame_, traits_, part, candidates, this}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
   ShadePixels(part, weights, film, rect, rgba, stats);
@@ -87,8 +82,9 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
 std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
-  if (traits.textured) return std::nullopt;
-  const auto shade = [&](double b1, double b2) { return Shade(*frame_, triangle, {b1, b2}, {}); };
+  // A highlight is narrower than what a few points tell.
+  if (traits.textured || traits.glossy) return std::nullopt;
+  const auto shade = [&](double b1, double b2) { return shader_.Shade(triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
   ColorNodes nodes;
   nodes.corners = {first, first, first};
@@ -112,10 +108,15 @@ std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   return std::nullopt;
 }
 
+double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t) const {
+  const Barycentric at{b1, b2};
+  return shader_.Alpha(triangle, at, PixelFootprintAt(*frame_, triangle, at, t));
+}
+
 V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1};
-  return Shade(*frame_, triangle, {1.0 / 3, 1.0 / 3}, kWhole);
+  return shader_.Shade(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
@@ -132,10 +133,10 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         Footprint footprint;
         if (traits.needs_position) {
           at = {pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          if (traits.textured) footprint = FootprintOf(*frame_, pair, at, pair.bins_log2);
+          if (traits.textured) footprint = PixelFootprintAt(*frame_, pair.triangle, at, MiddleOf(pair));
         }
         covered += pair.weight;
-        contributions.push_back({pair.weight, Shade(*frame_, pair.triangle, at, footprint)});
+        contributions.push_back({pair.weight, shader_.Shade(pair.triangle, at, footprint)});
       });
       const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
       covered += uint64_t(film_sum[3]);

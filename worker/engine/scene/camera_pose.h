@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "common/math/spaces.h"
@@ -14,6 +15,11 @@ struct CameraPose {
   /// view_from_object. The camera's position is subtracted before anything is rotated, so a scene far from
   /// the world's origin loses no more than its own numbers have lost already.
   M44d ViewFrom(const M44d& world_from_object) const;
+
+  /// The world's x, y and z axes in view space.
+  std::array<V3d, 3> WorldAxes() const {
+    return {V3d(right.x, up.x, back.x), V3d(right.y, up.y, back.y), V3d(right.z, up.z, back.z)};
+  }
 };
 
 /// The camera of a node: its axes made orthonormal, keeping the view direction and then the up direction.

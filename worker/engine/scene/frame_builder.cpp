@@ -11,10 +11,12 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "worker/engine/scene/material_textures.h"
 #include "worker/engine/scene/scene_bounds.h"
 
 namespace shutterline::engine {
@@ -47,19 +49,20 @@ absl::Status FrameBuilder::Build() {
   SL_RETURN_IF_ERROR(MakeView());
   SL_RETURN_IF_ERROR(PlaceMeshes());
   SL_ASSIGN_OR_RETURN(const Moment open, shutter_.At(0));
-  if (!anything_moves_) {
-    FitMotion(open);
-    SL_RETURN_IF_ERROR(LayOutVertices(open));
-    EvaluateNormals(open);
-  } else {
-    // At mid-shutter: a node that grows from nothing has no sides at shutter open.
-    SL_ASSIGN_OR_RETURN(const Moment middle, shutter_.At(0.5));
+  // What shades is taken at mid-shutter: a node that grows from nothing has no sides at shutter open.
+  std::optional<Moment> middle;
+  if (anything_moves_) {
+    SL_ASSIGN_OR_RETURN(middle, shutter_.At(0.5));
     SL_RETURN_IF_ERROR(shutter_.At(1).status());
-    FitMotion(open);
-    SL_RETURN_IF_ERROR(LayOutVertices(open));
-    EvaluateNormals(middle);
   }
+  const Moment& shading = middle ? *middle : open;
+  FitMotion(open);
+  SL_RETURN_IF_ERROR(LayOutVertices(open));
+  EvaluateNormals(shading);
   MakeTriangles();
+  EvaluateTangents(shading);
+  frame_->view.world_axes = shading.camera.WorldAxes();
+  frame_->lights = PlaceLights(scene_, shading, frame_->warnings);
   NameMisses();
   MakeTextures();
   return absl::OkStatus();
@@ -79,6 +82,8 @@ absl::Status FrameBuilder::MakeView() {
 absl::Status FrameBuilder::PlaceMeshes() {
   uint64_t triangles = 0, vertices = 0;
   for (const int node : NodesInDefaultScene(scene_)) {
+    const bool is_light = scene_.nodes[size_t(node)].light >= 0;
+    if (is_light && !shutter_.IsStill() && shutter_.sampler().Moves(node)) anything_moves_ = true;
     const int mesh_index = scene_.nodes[size_t(node)].mesh;
     if (mesh_index < 0) continue;
     const Mesh& mesh = scene_.meshes[size_t(mesh_index)];
@@ -91,6 +96,8 @@ absl::Status FrameBuilder::PlaceMeshes() {
       primitive.material = &scene_.materials[size_t(source.material)];
       primitive.node = node;
       primitive.has_normals = !primitive.material->unlit && !source.normals.empty();
+      primitive.has_tangents = ShowsNormalTexture(*primitive.material, source) &&
+                               source.tangents.size() == 3 * source.triangles.size();
       primitive.uniform_colors = primitive.material->unlit && AreEqual(source.colors);
       primitive.first_vertex = uint32_t(vertices);
       primitive.vertex_count = uint32_t(source.positions.size());
@@ -207,16 +214,17 @@ void FrameBuilder::EvaluateNormals(const Moment& moment) {
   });
 }
 
+bool FrameBuilder::IsDrawn(const FramePrimitive& primitive, const std::array<uint32_t, 3>& triangle) const {
+  for (const uint32_t corner : triangle) {
+    for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
+      if (!IsUsable(frame_->ControlPoint(primitive, primitive.first_vertex + corner, i))) return false;
+    }
+  }
+  return true;
+}
+
 void FrameBuilder::MakeTriangles() {
   std::vector<FramePrimitive>& primitives = frame_->primitives;
-  const auto is_usable = [&](const FramePrimitive& primitive, const std::array<uint32_t, 3>& triangle) {
-    for (const uint32_t corner : triangle) {
-      for (int i = 0; i < primitive.PointsPerVertex(); ++i) {
-        if (!IsUsable(frame_->ControlPoint(primitive, primitive.first_vertex + corner, i))) return false;
-      }
-    }
-    return true;
-  };
 
   // Count the triangles that can be drawn.
   tbb::parallel_for(size_t{0}, primitives.size(), [&](size_t i) {
@@ -224,7 +232,7 @@ void FrameBuilder::MakeTriangles() {
     const auto& triangles = primitive.source->triangles;
     primitive.triangle_count = uint32_t(
         usable_[i] ? triangles.size() : std::count_if(triangles.begin(), triangles.end(), [&](const auto& t) {
-          return is_usable(primitive, t);
+          return IsDrawn(primitive, t);
         }));
   });
   uint32_t total = 0;
@@ -244,13 +252,56 @@ void FrameBuilder::MakeTriangles() {
     const FramePrimitive& primitive = primitives[i];
     FrameTriangle* out = frame_->triangles.data() + primitive.first_triangle;
     for (const std::array<uint32_t, 3>& triangle : primitive.source->triangles) {
-      if (!usable_[i] && !is_usable(primitive, triangle)) continue;
+      if (!usable_[i] && !IsDrawn(primitive, triangle)) continue;
       FrameTriangle made{{}, uint32_t(i)};
       for (size_t k = 0; k < 3; ++k) made.vertices[k] = primitive.first_vertex + triangle[k];
       if (primitive.mirrored) std::swap(made.vertices[1], made.vertices[2]);
       *out++ = made;
     }
   });
+}
+
+void FrameBuilder::EvaluateTangents(const Moment& moment) {
+  uint64_t total = 0;
+  for (FramePrimitive& primitive : frame_->primitives) {
+    primitive.first_tangent = total;
+    if (primitive.has_tangents) total += 3 * uint64_t{primitive.triangle_count};
+  }
+  if (total == 0) return;
+  frame_->tangents.resize(total);
+  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
+    const PlacedMesh& placed = placed_[i];
+    const MeshPose pose(scene_, placed.node, moment.pose, moment.camera);
+    for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
+      const FramePrimitive& primitive = frame_->primitives[placed.first_primitive + k];
+      if (primitive.has_tangents) WriteTangents(pose, placed.first_primitive + k);
+    }
+  });
+}
+
+void FrameBuilder::WriteTangents(const MeshPose& pose, size_t number) {
+  const FramePrimitive& primitive = frame_->primitives[number];
+  const MeshPrimitive& source = *primitive.source;
+  // Where all triangles are drawn, they have the numbers that they have in the mesh.
+  std::vector<uint32_t> drawn;
+  for (uint32_t t = 0; !usable_[number] && t < source.triangles.size(); ++t) {
+    if (IsDrawn(primitive, source.triangles[t])) drawn.push_back(t);
+  }
+  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, primitive.triangle_count, kVerticesPerTask),
+                    [&](const tbb::blocked_range<uint32_t>& range) {
+                      for (uint32_t i = range.begin(); i < range.end(); ++i) {
+                        const size_t t = usable_[number] ? i : drawn[i];
+                        V4f* const out = &frame_->tangents[primitive.first_tangent + 3 * uint64_t{i}];
+                        for (size_t corner = 0; corner < 3; ++corner) {
+                          const V4f& tangent = source.tangents[3 * t + corner];
+                          const V3d direction = pose.Direction(source, source.triangles[t][corner],
+                                                               V3d(tangent.x, tangent.y, tangent.z));
+                          out[corner] = V4f(float(direction.x), float(direction.y), float(direction.z),
+                                            primitive.mirrored ? -tangent.w : tangent.w);
+                        }
+                        if (primitive.mirrored) std::swap(out[1], out[2]);
+                      }
+                    });
 }
 
 void FrameBuilder::NameMisses() {
@@ -277,21 +328,21 @@ void FrameBuilder::NameMisses() {
 }
 
 void FrameBuilder::MakeTextures() {
-  std::vector<int> images;
-  const auto use = [&](const TextureRef& reference) {
-    if (reference.texture < 0) return;
-    const int image = scene_.textures[size_t(reference.texture)].image;
-    if (image >= 0) images.push_back(image);
-  };
+  std::set<std::pair<int, TextureEncoding>> used;
+  std::set<const Material*> looked_at;
   for (const FramePrimitive& primitive : frame_->primitives) {
-    use(primitive.material->base_color_texture);
-    if (!primitive.material->unlit) use(primitive.material->emissive_texture);
+    if (!looked_at.insert(primitive.material).second) continue;
+    for (const MaterialTexture& texture : TexturesOf(*primitive.material)) {
+      const int image = scene_.textures[size_t(texture.reference->texture)].image;
+      if (image >= 0) used.emplace(image, texture.encoding);
+    }
   }
-  std::sort(images.begin(), images.end());
-  images.erase(std::unique(images.begin(), images.end()), images.end());
-  frame_->textures.resize(scene_.images.size());
-  tbb::parallel_for(size_t{0}, images.size(), [&](size_t i) {
-    frame_->textures[size_t(images[i])] = scene_.mip_pyramids.Get(scene_.images, images[i]);
+  const std::vector<std::pair<int, TextureEncoding>> wanted(used.begin(), used.end());
+  for (auto& of_encoding : frame_->pyramids) of_encoding.resize(scene_.images.size());
+  tbb::parallel_for(size_t{0}, wanted.size(), [&](size_t i) {
+    const auto [image, encoding] = wanted[i];
+    frame_->pyramids[size_t(encoding)][size_t(image)] =
+        scene_.mip_pyramids.Get(scene_.images, image, encoding);
   });
 }
 

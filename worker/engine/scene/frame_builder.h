@@ -2,6 +2,7 @@
 
 #include <absl/status/status.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "worker/engine/scene/auto_camera.h"
 #include "worker/engine/scene/camera_select.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/mesh_pose.h"
 #include "worker/engine/scene/motion_fit.h"
 #include "worker/engine/scene/shutter_poses.h"
 
@@ -32,7 +34,11 @@ class FrameBuilder {
   /// `still` is the moment for what does not move.
   absl::Status LayOutVertices(const Moment& still);
   void EvaluateNormals(const Moment& moment);
+  /// After the triangles: tangents are by their corners.
+  void EvaluateTangents(const Moment& moment);
+  void WriteTangents(const MeshPose& pose, size_t primitive);
   void MakeTriangles();
+  bool IsDrawn(const FramePrimitive& primitive, const std::array<uint32_t, 3>& triangle) const;
   void NameMisses();
   void MakeTextures();
   /// "node 3 "wheel", mesh 2 "Wheel"", and the same with ", primitive 0".
@@ -44,7 +50,7 @@ class FrameBuilder {
   const RenderSettings& settings_;
   ShutterPoses shutter_;
   std::optional<AutoCamera> auto_camera_;
-  bool anything_moves_ = false;
+  bool anything_moves_ = false;  ///< Of what is drawn or gives light.
   std::vector<PlacedMesh> placed_;
   MeshVertexSets vertex_sets_;      ///< Of placed meshes that may move.
   std::vector<FittedMesh> fitted_;  ///< One a placed mesh.

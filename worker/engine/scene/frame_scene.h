@@ -11,6 +11,7 @@
 #include "common/job/render_settings.h"
 #include "common/math/bezier.h"
 #include "common/math/spaces.h"
+#include "worker/engine/scene/frame_light.h"
 #include "worker/engine/scene/scene.h"
 
 namespace shutterline::engine {
@@ -26,6 +27,9 @@ struct FrameView {
   double center_x = 0, center_y = 0;
   double znear = 0.1;  ///< Metres, > 0 for perspective.
   double zfar = 0;     ///< 0: infinite.
+  /// The world's x, y and z axes as unit vectors in view space, at mid-shutter: a direction d in view space
+  /// points to (d·x, d·y, d·z) in the world.
+  std::array<V3d, 3> world_axes{V3d(1, 0, 0), V3d(0, 1, 0), V3d(0, 0, 1)};
 
   RasterPoint RasterFromView(const V3d& p) const {
     const double w = perspective ? -p.z : 1;
@@ -82,6 +86,13 @@ struct FramePrimitive {
   /// material is unlit or the mesh has none. normals[first_normal + (v - first_vertex)].
   bool has_normals = false;
   uint64_t first_normal = 0;
+  /// Unit tangents in view space at mid-shutter, with the bitangent's sign in w: the bitangent is w times
+  /// cross(normal, tangent), in the frame's own handedness (mirrored primitives have theirs turned round).
+  /// Those of corner k of triangle T are tangents[first_tangent + 3 * (T - first_triangle) + k]. Only where
+  /// the material is lit and has a normal texture that the mesh has coordinates for. Zero where there is no
+  /// direction, and not exactly perpendicular to the normal: skins and uneven scales tilt them.
+  bool has_tangents = false;
+  uint64_t first_tangent = 0;
   /// Largest path length of a vertex over the shutter, pixels; infinity if one is behind the near plane at
   /// some instant that was looked at. 0 for degree 0, wherever the vertices are.
   double motion_pixels = 0;
@@ -105,14 +116,21 @@ struct FrameScene {
   std::vector<FrameTriangle> triangles;
   std::vector<RasterPoint> control_points;
   std::vector<V3f> normals;  ///< Zero where a vertex has no direction.
-  /// Mip pyramids by image of the scene, shared between its frames; null where no drawn material uses the
-  /// image.
-  TextureSet textures;
+  std::vector<V4f> tangents;
+  std::vector<FrameLight> lights;
+  /// Mip pyramids of the scene's images, shared between its frames; see Pyramid.
+  PyramidTable pyramids;
   /// For people: meshes whose motion misses their true path by more than the tolerance, dropped vertices.
   std::vector<std::string> warnings;
   /// With a control point that is not finite or so large (above kMaxCoordinate) that products of a few
   /// coordinates would overflow.
   int64_t dropped_triangles = 0;
+
+  /// The pyramid of an image of the scene; null where no drawn material uses the image in that encoding.
+  const MipPyramid* Pyramid(int image, TextureEncoding encoding) const {
+    const auto& of_encoding = pyramids[size_t(encoding)];
+    return image >= 0 && size_t(image) < of_encoding.size() ? of_encoding[size_t(image)].get() : nullptr;
+  }
 
   const RasterPoint& ControlPoint(const FramePrimitive& primitive, uint32_t vertex, int i) const {
     return ControlPoints(primitive, vertex)[i];

@@ -12,6 +12,7 @@
 #include "worker/engine/scene/gltf_accessor.h"
 #include "worker/engine/scene/gltf_container.h"
 #include "worker/engine/scene/gltf_json.h"
+#include "worker/engine/scene/gltf_light.h"
 #include "worker/engine/scene/gltf_schema.h"
 #include "worker/engine/scene/gltf_uri.h"
 
@@ -22,10 +23,18 @@ using Json = nlohmann::json;
 
 constexpr size_t kMaxListedWarnings = 1000;
 
-/// Extensions that a file may require. The first two are implemented; the others add nothing to the
+/// Extensions that a file may require. All are implemented but the last three, which add nothing to the
 /// picture that a reader without them shows (other variants of materials, metadata).
-constexpr std::array<absl::string_view, 5> kSupportedExtensions = {
-    "KHR_materials_unlit", "KHR_mesh_quantization", "KHR_materials_variants", "KHR_xmp", "KHR_xmp_json_ld"};
+constexpr std::array<absl::string_view, 10> kSupportedExtensions = {"KHR_lights_punctual",
+                                                                    "KHR_materials_emissive_strength",
+                                                                    "KHR_materials_ior",
+                                                                    "KHR_materials_specular",
+                                                                    "KHR_materials_unlit",
+                                                                    "KHR_mesh_quantization",
+                                                                    "KHR_texture_transform",
+                                                                    "KHR_materials_variants",
+                                                                    "KHR_xmp",
+                                                                    "KHR_xmp_json_ld"};
 
 absl::Status CheckAsset(const Json& json) {
   const Json& asset = json["asset"];
@@ -174,6 +183,7 @@ absl::Status LoadGltfDocument(GltfDocument* document) {
           {image.value("name", ""), image.value("uri", ""), image.value("bufferView", -1)});
     }
   }
+  SL_ASSIGN_OR_RETURN(document->lights, ReadGltfLights(json));
   // What a file may unfold into: a fixed amount, and so many bytes for each of its own.
   document->memory.Raise((document->limits.max_file_bytes - document->file_bytes.Left()) *
                          document->limits.memory_per_file_byte);

@@ -31,6 +31,7 @@ struct GltfDocument {
   const ImportLimits limits;
   tinygltf::Model model;
   std::vector<GltfImageSource> images;
+  std::vector<PunctualLight> lights;
   std::vector<absl::string_view> buffers;  ///< As long as their byteLength says.
 
   GltfBudget file_bytes, memory, vertices, triangles, texture_pixels;

@@ -89,6 +89,7 @@ constexpr uint64_t kMebibyte = uint64_t{1} << 20;
 
 struct Header {
   int width = 0, height = 0;
+  bool deep = false;  ///< 16 bits a channel.
 };
 
 absl::StatusOr<Header> ReadHeader(const uint8_t* data, int size, bool png) {
@@ -102,6 +103,7 @@ absl::StatusOr<Header> ReadHeader(const uint8_t* data, int size, bool png) {
                                                    reason == nullptr ? "" : ": ",
                                                    reason == nullptr ? "" : reason));
   }
+  header.deep = png && stbi_is_16_bit_from_memory(data, size) != 0;
   return header;
 }
 
@@ -133,13 +135,22 @@ absl::StatusOr<TextureImage> DecodeGltfImage(absl::string_view bytes, uint32_t m
       return absl::InvalidArgumentError(absl::StrCat("its ", bytes.size(), " bytes cannot hold ",
                                                      header.width, " × ", header.height, " pixels"));
     }
-    SL_RETURN_IF_ERROR(pixels->Take(count, absl::StrCat(header.width, " × ", header.height)));
+    SL_RETURN_IF_ERROR(
+        pixels->Take(header.deep ? 2 * count : count,
+                     absl::StrCat(header.width, " × ", header.height, header.deep ? " deep" : "")));
 
-    // 16-bit RGBA twice, or a progressive JPEG's coefficients beside its planes.
+    // 16-bit RGBA three times over, or a progressive JPEG's coefficients beside its planes.
     DecodeHeap heap(16 * kMebibyte + 4 * bytes.size() + 32 * count);
+    TextureImage image;
     int channels = 0;
-    const uint8_t* rgba = stbi_load_from_memory(data, size, &header.width, &header.height, &channels, 4);
-    if (rgba == nullptr) {
+    const uint8_t* rgba = nullptr;
+    const uint16_t* rgba16 = nullptr;
+    if (header.deep) {
+      rgba16 = stbi_load_16_from_memory(data, size, &header.width, &header.height, &channels, 4);
+    } else {
+      rgba = stbi_load_from_memory(data, size, &header.width, &header.height, &channels, 4);
+    }
+    if (rgba == nullptr && rgba16 == nullptr) {
       const char* reason = stbi_failure_reason();
       return absl::InvalidArgumentError(
           absl::StrCat("it cannot be decoded: ", reason == nullptr ? "no reason given" : reason));
@@ -147,10 +158,13 @@ absl::StatusOr<TextureImage> DecodeGltfImage(absl::string_view bytes, uint32_t m
     if (uint64_t(header.width) * uint64_t(header.height) != count) {
       return absl::InvalidArgumentError("its header and its data disagree about its size");
     }
-    TextureImage image;
     image.width = header.width;
     image.height = header.height;
-    image.rgba.assign(rgba, rgba + 4 * count);
+    if (rgba16 != nullptr) {
+      image.rgba16.assign(rgba16, rgba16 + 4 * count);
+    } else {
+      image.rgba.assign(rgba, rgba + 4 * count);
+    }
     return image;
   } catch (const std::exception& error) {
     return absl::InvalidArgumentError(absl::StrCat("it cannot be decoded: ", error.what()));

@@ -15,6 +15,7 @@
 #include "worker/engine/scene/gltf_mesh.h"
 #include "worker/engine/scene/gltf_nodes.h"
 #include "worker/engine/scene/gltf_skin.h"
+#include "worker/engine/scene/gltf_tangents.h"
 #include "worker/engine/scene/gltf_uri.h"
 
 namespace shutterline::engine {
@@ -48,6 +49,8 @@ absl::Status ImportAll(const AssetSource& source, const ImportLimits& limits, Sc
   SL_RETURN_IF_ERROR(ImportGltfAnimations(&document, scene));
   SL_RETURN_IF_ERROR(CheckThatSomethingIsDrawn(document, *scene));
   SL_RETURN_IF_ERROR(ImportGltfMaterials(&document, scene));
+  SL_RETURN_IF_ERROR(ImportGltfTangents(&document, scene));
+  scene->lights = std::move(document.lights);
   document.CloseWarnings();
   scene->report = std::move(document.report);
   return absl::OkStatus();

@@ -2,128 +2,140 @@
 
 #include <absl/strings/str_cat.h>
 
-#include <map>
+#include <algorithm>
+#include <cfloat>
+#include <utility>
 
 #include "common/base/status_macros.h"
-#include "worker/engine/scene/gltf_image.h"
-#include "worker/engine/scene/gltf_uri.h"
+#include "worker/engine/scene/gltf_texture.h"
 
 namespace shutterline::engine {
 namespace {
 
-WrapMode WrapOf(int code) {
-  if (code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return WrapMode::kClampToEdge;
-  if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return WrapMode::kMirroredRepeat;
-  return WrapMode::kRepeat;
-}
-
-class MaterialImporter {
+/// A material of the file in the middle of its import.
+class MaterialReader {
  public:
-  MaterialImporter(GltfDocument* document, Scene* scene) : document_(*document), scene_(*scene) {}
+  MaterialReader(const tinygltf::Material& in, std::string element, GltfDocument* document,
+                 GltfTextureImporter* textures)
+      : in_(in), element_(std::move(element)), document_(*document), textures_(*textures) {}
 
-  absl::Status ImportAll() {
-    for (size_t m = 0; m < document_.model.materials.size(); ++m) {
-      const tinygltf::Material& in = document_.model.materials[m];
-      const std::string element = GltfElement("material", m, in.name);
-      Material material;
-      SL_RETURN_IF_ERROR(Annotate(ImportMaterial(in, element, &material), element));
-      scene_.materials.push_back(std::move(material));
+  absl::StatusOr<Material> Read() {
+    out_.name = in_.name;
+    out_.double_sided = in_.doubleSided;
+    out_.unlit = Extension("KHR_materials_unlit") != nullptr;
+    ReadAlpha();
+    SL_RETURN_IF_ERROR(ReadBaseColor());
+    if (!out_.unlit) {
+      SL_RETURN_IF_ERROR(ReadMetalAndRoughness());
+      SL_RETURN_IF_ERROR(ReadRelief());
+      SL_RETURN_IF_ERROR(ReadSpecular());
     }
-    scene_.materials.emplace_back();
-    scene_.materials.back().name = "default";
-    return absl::OkStatus();
+    SL_RETURN_IF_ERROR(ReadEmission());
+    return std::move(out_);
   }
 
  private:
-  absl::Status ImportMaterial(const tinygltf::Material& in, const std::string& element, Material* out) {
-    const tinygltf::PbrMetallicRoughness& pbr = in.pbrMetallicRoughness;
-    out->name = in.name;
-    out->double_sided = in.doubleSided;
-    out->unlit = in.extensions.count("KHR_materials_unlit") > 0;
-    if (pbr.baseColorFactor.size() == 4) {
-      for (int i = 0; i < 4; ++i) out->base_color_factor[i] = float(pbr.baseColorFactor[size_t(i)]);
+  void ReadAlpha() {
+    out_.alpha_mode = in_.alphaMode == "MASK"    ? AlphaMode::kMask
+                      : in_.alphaMode == "BLEND" ? AlphaMode::kBlend
+                                                 : AlphaMode::kOpaque;
+    out_.alpha_cutoff = Within(0, FLT_MAX, in_.alphaCutoff, "alphaCutoff");
+  }
+
+  absl::Status ReadBaseColor() {
+    const tinygltf::PbrMetallicRoughness& pbr = in_.pbrMetallicRoughness;
+    for (size_t i = 0; i < 4 && pbr.baseColorFactor.size() == 4; ++i) {
+      out_.base_color_factor[int(i)] = Within(0, 1, pbr.baseColorFactor[i], "baseColorFactor");
     }
-    if (in.emissiveFactor.size() == 3) {
-      for (int i = 0; i < 3; ++i) out->emissive_factor[i] = float(in.emissiveFactor[size_t(i)]);
+    return Texture(GltfTextureInfo(pbr.baseColorTexture), "baseColorTexture", &out_.base_color_texture);
+  }
+
+  absl::Status ReadMetalAndRoughness() {
+    const tinygltf::PbrMetallicRoughness& pbr = in_.pbrMetallicRoughness;
+    out_.metallic_factor = Within(0, 1, pbr.metallicFactor, "metallicFactor");
+    out_.roughness_factor = Within(0, 1, pbr.roughnessFactor, "roughnessFactor");
+    return Texture(GltfTextureInfo(pbr.metallicRoughnessTexture), "metallicRoughnessTexture",
+                   &out_.metallic_roughness_texture);
+  }
+
+  absl::Status ReadRelief() {
+    out_.normal_scale = float(in_.normalTexture.scale);
+    out_.occlusion_strength = Within(0, 1, in_.occlusionTexture.strength, "occlusionTexture.strength");
+    SL_RETURN_IF_ERROR(Texture(GltfTextureInfo(in_.normalTexture), "normalTexture", &out_.normal_texture));
+    return Texture(GltfTextureInfo(in_.occlusionTexture), "occlusionTexture", &out_.occlusion_texture);
+  }
+
+  absl::Status ReadEmission() {
+    double strength = 1;
+    if (const auto* extension = Extension("KHR_materials_emissive_strength")) {
+      strength = Within(0, FLT_MAX, Number(*extension, "emissiveStrength", 1), "emissiveStrength");
+    }
+    for (size_t i = 0; i < 3 && in_.emissiveFactor.size() == 3; ++i) {
+      const double factor = Within(0, FLT_MAX, in_.emissiveFactor[i], "emissiveFactor");
+      out_.emissive_factor[int(i)] = float(std::min(factor * strength, double(FLT_MAX)));
+    }
+    if (out_.unlit) return absl::OkStatus();
+    return Texture(GltfTextureInfo(in_.emissiveTexture), "emissiveTexture", &out_.emissive_texture);
+  }
+
+  absl::Status ReadSpecular() {
+    if (const auto* extension = Extension("KHR_materials_ior")) {
+      const double ior = Number(*extension, "ior", 1.5);
+      out_.ior = ior == 0 ? 0 : Within(1, FLT_MAX, ior, "ior");
+    }
+    const auto* extension = Extension("KHR_materials_specular");
+    if (extension == nullptr) return absl::OkStatus();
+    out_.specular_factor = Within(0, 1, Number(*extension, "specularFactor", 1), "specularFactor");
+    for (int i = 0; i < 3 && extension->Has("specularColorFactor"); ++i) {
+      const double factor = extension->Get("specularColorFactor").Get(i).GetNumberAsDouble();
+      out_.specular_color_factor[i] = Within(0, FLT_MAX, factor, "specularColorFactor");
     }
     SL_RETURN_IF_ERROR(
-        ImportTexture(pbr.baseColorTexture, element, "baseColorTexture", &out->base_color_texture));
-    return ImportTexture(in.emissiveTexture, element, "emissiveTexture", &out->emissive_texture);
+        Texture(GltfTextureInfo(*extension, "specularTexture"), "specularTexture", &out_.specular_texture));
+    return Texture(GltfTextureInfo(*extension, "specularColorTexture"), "specularColorTexture",
+                   &out_.specular_color_texture);
   }
 
-  absl::Status ImportTexture(const tinygltf::TextureInfo& in, const std::string& element,
-                             absl::string_view role, TextureRef* out) {
-    if (in.index < 0) return absl::OkStatus();
-    if (in.texCoord > 1) {
-      return absl::UnimplementedError(
-          absl::StrCat(role, ": texCoord ", in.texCoord, ": only sets 0 and 1 are supported"));
-    }
-    if (in.extensions.count("KHR_texture_transform") > 0) {
-      document_.Warn(absl::StrCat(element, ": ", role, ": KHR_texture_transform is ignored"));
-    }
-    out->texcoord = in.texCoord;
-    if (const auto known = textures_.find(in.index); known != textures_.end()) {
-      out->texture = known->second;
-      return absl::OkStatus();
-    }
-    const tinygltf::Texture& texture = document_.model.textures[size_t(in.index)];
-    int number = -1;
-    if (texture.source < 0) {
-      document_.Warn(absl::StrCat("texture ", in.index, ": it has no source and is left out"));
-    } else {
-      Texture result;
-      SL_ASSIGN_OR_RETURN(result.image, ImportImage(texture.source));
-      if (texture.sampler >= 0) {
-        const tinygltf::Sampler& sampler = document_.model.samplers[size_t(texture.sampler)];
-        result.wrap_s = WrapOf(sampler.wrapS);
-        result.wrap_t = WrapOf(sampler.wrapT);
-        result.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-      }
-      number = int(scene_.textures.size());
-      scene_.textures.push_back(result);
-    }
-    textures_[in.index] = number;
-    out->texture = number;
-    return absl::OkStatus();
+  absl::Status Texture(const GltfTextureInfo& info, absl::string_view role, TextureRef* out) {
+    return textures_.Import(info, role, out);
   }
 
-  absl::StatusOr<int> ImportImage(int index) {
-    if (const auto known = images_.find(index); known != images_.end()) return known->second;
-    const GltfImageSource& source = document_.images[size_t(index)];
-    absl::StatusOr<TextureImage> image = DecodeImage(source);
-    if (!image.ok()) return Annotate(image.status(), GltfElement("image", size_t(index), source.name));
-    image->name = source.name;
-    scene_.images.push_back(*std::move(image));
-    return images_[index] = int(scene_.images.size()) - 1;
+  /// Null where the material does not have it.
+  const tinygltf::Value* Extension(const char* name) const {
+    const auto found = in_.extensions.find(name);
+    return found == in_.extensions.end() ? nullptr : &found->second;
+  }
+  static double Number(const tinygltf::Value& extension, const char* name, double otherwise) {
+    return extension.Has(name) ? extension.Get(name).GetNumberAsDouble() : otherwise;
   }
 
-  absl::StatusOr<TextureImage> DecodeImage(const GltfImageSource& source) {
-    std::string storage;
-    absl::string_view bytes;
-    if (source.buffer_view >= 0) {
-      bytes = document_.ViewBytes(source.buffer_view);
-    } else if (source.uri.empty()) {
-      return absl::InvalidArgumentError("it has neither a uri nor a bufferView");
-    } else if (IsDataUri(source.uri)) {
-      SL_ASSIGN_OR_RETURN(storage, DecodeDataUri(source.uri, document_.limits.max_file_bytes));
-      bytes = storage;
-    } else {
-      SL_ASSIGN_OR_RETURN(const std::string name, DecodeFileUri(source.uri));
-      SL_ASSIGN_OR_RETURN(storage, document_.source.Read(name, document_.limits.max_file_bytes));
-      bytes = storage;
-    }
-    return DecodeGltfImage(bytes, document_.limits.max_image_side, &document_.texture_pixels);
+  float Within(double low, double high, double value, absl::string_view name) {
+    const double moved = std::clamp(value, low, high);
+    if (moved != value) document_.Warn(absl::StrCat(element_, ": ", name, " ", value, " taken as ", moved));
+    return float(moved);
   }
 
+  const tinygltf::Material& in_;
+  const std::string element_;
   GltfDocument& document_;
-  Scene& scene_;
-  std::map<int, int> textures_, images_;  ///< Number in the file to number in the scene.
+  GltfTextureImporter& textures_;
+  Material out_;
 };
 
 }  // namespace
 
 absl::Status ImportGltfMaterials(GltfDocument* document, Scene* scene) {
-  return MaterialImporter(document, scene).ImportAll();
+  GltfTextureImporter textures(document, scene);
+  for (size_t m = 0; m < document->model.materials.size(); ++m) {
+    const tinygltf::Material& in = document->model.materials[m];
+    const std::string element = GltfElement("material", m, in.name);
+    absl::StatusOr<Material> material = MaterialReader(in, element, document, &textures).Read();
+    if (!material.ok()) return Annotate(material.status(), element);
+    scene->materials.push_back(*std::move(material));
+  }
+  scene->materials.emplace_back();
+  scene->materials.back().name = "default";
+  return absl::OkStatus();
 }
 
 }  // namespace shutterline::engine

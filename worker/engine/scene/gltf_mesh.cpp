@@ -83,11 +83,19 @@ class MeshImporter {
     SL_RETURN_IF_ERROR(ReadGltfVertices(&document_, in, element, out, &finite));
     out->triangles = CutGltfTriangles(in.mode, corners);
     DropTrianglesWithoutPlace(finite, element, out);
+    if (NeedsTangents(in)) SL_RETURN_IF_ERROR(ReadGltfTangents(&document_, in, element, out));
     out->material = in.material >= 0 ? in.material : int(document_.model.materials.size());
     if (seen_.emplace(position->second, in.indices, in.mode).second) {
       document_.report.stored_triangles += int64_t(out->triangles.size());
     }
     return absl::OkStatus();
+  }
+
+  /// Asked of the file's material, as materials are imported later.
+  bool NeedsTangents(const tinygltf::Primitive& in) const {
+    if (in.material < 0) return false;
+    const tinygltf::Material& material = document_.model.materials[size_t(in.material)];
+    return material.normalTexture.index >= 0 && material.extensions.count("KHR_materials_unlit") == 0;
   }
 
   absl::StatusOr<std::vector<uint32_t>> ReadCorners(const tinygltf::Primitive& in, uint64_t corner_count,

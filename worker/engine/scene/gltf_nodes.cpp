@@ -42,6 +42,9 @@ absl::Status ReadNode(GltfDocument* document, const Scene& scene, const tinygltf
   node->mesh = in.mesh;
   node->skin = in.skin;
   node->camera = in.camera;
+  if (const auto light = in.extensions.find("KHR_lights_punctual"); light != in.extensions.end()) {
+    node->light = light->second.Get("light").GetNumberAsInt();
+  }
   bool rotation_is_zero = false;
   node->transform = ReadTransform(in, &rotation_is_zero);
   if (rotation_is_zero) document->Warn(absl::StrCat(element, ": a rotation of length 0 taken as none"));

@@ -148,12 +148,13 @@ class Conformer {
   }
 
   absl::StatusOr<Json> Index(const Json& in, const GltfField& field, const Place& place) const {
-    const auto array = document_.find(field.target);
-    const size_t size = array != document_.end() && array->is_array() ? array->size() : 0;
+    const Json::json_pointer target(absl::StrCat("/", field.target));
+    const Json* const array = document_.contains(target) ? &document_[target] : nullptr;
+    const size_t size = array != nullptr && array->is_array() ? array->size() : 0;
     SL_ASSIGN_OR_RETURN(Json value, Whole(in, INT_MAX, place));
     if (value.get<uint64_t>() >= size) {
       return Wrong(place, absl::StrCat(value.get<uint64_t>(), " does not exist: the file has ", size, " ",
-                                       field.target));
+                                       target.back()));
     }
     return value;
   }
@@ -178,10 +179,13 @@ class Conformer {
 
   absl::StatusOr<Json> Number(const Json& in, const Place& place) const {
     if (!in.is_number()) return Wrong(place, absl::StrCat(Shown(in), " is not a number"));
-    if (const double value = in.get<double>(); !(std::fabs(value) <= FLT_MAX)) {
+    const double value = in.get<double>();
+    if (!(std::fabs(value) <= FLT_MAX)) {
       return Wrong(place, absl::StrCat(Shown(in), " does not fit a 32-bit float"));
     }
-    return in;
+    // As a real, also where it is written as an integer: tinygltf cuts integers inside of extensions to 32
+    // bits.
+    return Json(value);
   }
 
   absl::StatusOr<Json> String(const Json& in, const Place& place) const {

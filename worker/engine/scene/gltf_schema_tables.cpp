@@ -46,6 +46,11 @@ const GltfShape* Shape(GltfShape fields) {
   return new GltfShape(std::move(fields));
 }
 
+GltfShape With(GltfShape fields, GltfField another) {
+  fields.push_back(std::move(another));
+  return fields;
+}
+
 GltfShape Build() {
   const auto* asset = Shape({String("version", kRequired), String("minVersion")});
   const auto* buffer = Shape({String("uri"), Size("byteLength", kRequired), String("name")});
@@ -71,10 +76,12 @@ GltfShape Build() {
   const auto* mesh =
       Shape({Objects("primitives", primitive, kRequired), Numbers("weights", 0), String("name")});
 
-  const auto* node =
-      Shape({Index("camera", "cameras"), Indices("children", "nodes"), Index("skin", "skins"),
-             Numbers("matrix", 16), Index("mesh", "meshes"), Numbers("rotation", 4), Numbers("scale", 3),
-             Numbers("translation", 3), Numbers("weights", 0), String("name")});
+  const auto* placed_light = Shape({Index("light", "extensions/KHR_lights_punctual/lights", kRequired)});
+  const auto* node_extensions = Shape({Object("KHR_lights_punctual", placed_light)});
+  const auto* node = Shape({Index("camera", "cameras"), Indices("children", "nodes"), Index("skin", "skins"),
+                            Numbers("matrix", 16), Index("mesh", "meshes"), Numbers("rotation", 4),
+                            Numbers("scale", 3), Numbers("translation", 3), Numbers("weights", 0),
+                            Object("extensions", node_extensions), String("name")});
   const auto* scene = Shape({Indices("nodes", "nodes"), String("name")});
   const auto* skin = Shape({Index("inverseBindMatrices", "accessors"), Index("skeleton", "nodes"),
                             Indices("joints", "nodes", kRequired), String("name")});
@@ -102,15 +109,37 @@ GltfShape Build() {
       Shape({Int("magFilter", {9728, 9729}), Int("minFilter", {9728, 9729, 9984, 9985, 9986, 9987}),
              Int("wrapS", {33071, 33648, 10497}), Int("wrapT", {33071, 33648, 10497}), String("name")});
   const auto* texture = Shape({Index("sampler", "samplers"), Index("source", "images"), String("name")});
-  const auto* texture_extensions = Shape({Presence("KHR_texture_transform")});
-  const auto* texture_info = Shape(
-      {Index("index", "textures", kRequired), Int("texCoord"), Object("extensions", texture_extensions)});
-  const auto* roughness = Shape({Numbers("baseColorFactor", 4), Object("baseColorTexture", texture_info)});
-  const auto* material_extensions = Shape({Presence("KHR_materials_unlit")});
-  const auto* material =
-      Shape({Object("pbrMetallicRoughness", roughness), Object("emissiveTexture", texture_info),
-             Numbers("emissiveFactor", 3), GltfField{"doubleSided", K::kBool},
-             Object("extensions", material_extensions), String("name")});
+  const auto* transform =
+      Shape({Numbers("offset", 2), Number("rotation"), Numbers("scale", 2), Int("texCoord")});
+  const auto* texture_extensions = Shape({Object("KHR_texture_transform", transform)});
+  const GltfShape texture_use = {Index("index", "textures", kRequired), Int("texCoord"),
+                                 Object("extensions", texture_extensions)};
+  const auto* texture_info = Shape(texture_use);
+  const auto* normal_info = Shape(With(texture_use, Number("scale")));
+  const auto* occlusion_info = Shape(With(texture_use, Number("strength")));
+  const auto* roughness = Shape({Numbers("baseColorFactor", 4), Object("baseColorTexture", texture_info),
+                                 Number("metallicFactor"), Number("roughnessFactor"),
+                                 Object("metallicRoughnessTexture", texture_info)});
+  const auto* emissive_strength = Shape({Number("emissiveStrength")});
+  const auto* ior = Shape({Number("ior")});
+  const auto* specular =
+      Shape({Number("specularFactor"), Object("specularTexture", texture_info),
+             Numbers("specularColorFactor", 3), Object("specularColorTexture", texture_info)});
+  const auto* material_extensions =
+      Shape({Presence("KHR_materials_unlit"), Object("KHR_materials_emissive_strength", emissive_strength),
+             Object("KHR_materials_ior", ior), Object("KHR_materials_specular", specular)});
+  const auto* material = Shape(
+      {Object("pbrMetallicRoughness", roughness), Object("normalTexture", normal_info),
+       Object("occlusionTexture", occlusion_info), Object("emissiveTexture", texture_info),
+       Numbers("emissiveFactor", 3), Word("alphaMode", {"OPAQUE", "MASK", "BLEND"}), Number("alphaCutoff"),
+       GltfField{"doubleSided", K::kBool}, Object("extensions", material_extensions), String("name")});
+
+  const auto* spot = Shape({Number("innerConeAngle"), Number("outerConeAngle")});
+  const auto* light = Shape({Numbers("color", 3), Number("intensity"),
+                             Word("type", {"directional", "point", "spot"}, kRequired), Number("range"),
+                             Object("spot", spot), String("name")});
+  const auto* lights = Shape({Objects("lights", light, kRequired)});
+  const auto* extensions = Shape({Object("KHR_lights_punctual", lights)});
 
   return {Object("asset", asset, kRequired),
           GltfField{"extensionsRequired", K::kStringList},
@@ -127,7 +156,8 @@ GltfShape Build() {
           Objects("nodes", node),
           Objects("animations", animation),
           Objects("scenes", scene),
-          Index("scene", "scenes")};
+          Index("scene", "scenes"),
+          Object("extensions", extensions)};
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace shutterline::engine {
 
 enum class GltfKind : uint8_t {
-  kIndex,       ///< Into the document's array `target`.
+  kIndex,       ///< Into the document's array `target`, a path of names: "nodes", "extensions/x/lights".
   kIndexList,   ///< An array of such.
   kIndexMap,    ///< An object whose values are such (attributes).
   kIndexMaps,   ///< An array of such objects (morph targets).

@@ -58,6 +58,7 @@ absl::StatusOr<tinygltf::Model> ReadWithTinyGltf(const Json& conforming) {
   Json document = conforming;
   document.erase("buffers");
   document.erase("images");
+  document.erase("extensions");
   tinygltf::Model model;
   std::string errors, warnings;
   try {

@@ -13,8 +13,8 @@
 
 namespace shutterline::engine {
 
-/// Reads a document that has passed `ConformToGltfSchema` into tinygltf's model, without its buffers and
-/// images (gltf_document.h keeps those). Elements keep their numbers.
+/// Reads a document that has passed `ConformToGltfSchema` into tinygltf's model, without its buffers,
+/// images and lights (gltf_document.h keeps those). Elements keep their numbers.
 ///
 /// tinygltf 2.7 must not see unchecked files: it casts 64-bit sizes to int, drops channels and targets
 /// that it does not like (which renumbers the rest), walks `extras` by recursion, and indexes buffers by

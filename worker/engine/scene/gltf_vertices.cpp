@@ -148,8 +148,9 @@ absl::Status ReadTargets(GltfDocument* document, const tinygltf::Primitive& prim
   return absl::OkStatus();
 }
 
-/// What an attribute of this name must be; no types where any are allowed.
-GltfAccessorNeed NeedOf(absl::string_view name) {
+/// What an attribute of this name must be; no types where any are allowed, as of a target's tangents, which
+/// are not read.
+GltfAccessorNeed NeedOf(absl::string_view name, bool of_target) {
   GltfAccessorNeed need{name, {}, {}};
   if (name == "POSITION" || name == "NORMAL") {
     need.types = {TINYGLTF_TYPE_VEC3};
@@ -157,6 +158,8 @@ GltfAccessorNeed NeedOf(absl::string_view name) {
     need.types = {TINYGLTF_TYPE_VEC2};
   } else if (name == "COLOR_0") {
     need.types = {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
+  } else if (name == "TANGENT" && !of_target) {
+    need.types = {TINYGLTF_TYPE_VEC4};
   } else if (absl::StartsWith(name, "WEIGHTS_")) {
     need.types = {TINYGLTF_TYPE_VEC4};
   } else if (absl::StartsWith(name, "JOINTS_")) {
@@ -167,9 +170,10 @@ GltfAccessorNeed NeedOf(absl::string_view name) {
   return need;
 }
 
-absl::Status CheckAttributes(const GltfDocument& document, const Attributes& attributes, uint64_t count) {
+absl::Status CheckAttributes(const GltfDocument& document, const Attributes& attributes, bool of_target,
+                             uint64_t count) {
   for (const auto& [name, accessor] : attributes) {
-    if (const GltfAccessorNeed need = NeedOf(name); !need.types.empty()) {
+    if (const GltfAccessorNeed need = NeedOf(name, of_target); !need.types.empty()) {
       SL_RETURN_IF_ERROR(CheckGltfAccessorType(document, accessor, need));
     }
     if (const uint64_t other = document.model.accessors[size_t(accessor)].count; other != count) {
@@ -186,7 +190,7 @@ absl::Status CheckGltfPrimitive(const GltfDocument& document, const tinygltf::Pr
   const auto position = primitive.attributes.find("POSITION");
   if (position == primitive.attributes.end()) return absl::OkStatus();
   const uint64_t count = document.model.accessors[size_t(position->second)].count;
-  SL_RETURN_IF_ERROR(CheckAttributes(document, primitive.attributes, count));
+  SL_RETURN_IF_ERROR(CheckAttributes(document, primitive.attributes, false, count));
   for (int set = 0; set < 2; ++set) {
     if (primitive.attributes.count(absl::StrCat("JOINTS_", set)) !=
         primitive.attributes.count(absl::StrCat("WEIGHTS_", set))) {
@@ -196,7 +200,7 @@ absl::Status CheckGltfPrimitive(const GltfDocument& document, const tinygltf::Pr
   }
   for (size_t t = 0; t < primitive.targets.size(); ++t) {
     SL_RETURN_IF_ERROR(
-        Annotate(CheckAttributes(document, primitive.targets[t], count), absl::StrCat("target ", t)));
+        Annotate(CheckAttributes(document, primitive.targets[t], true, count), absl::StrCat("target ", t)));
   }
   if (primitive.indices < 0) return absl::OkStatus();
   return CheckGltfAccessorType(
@@ -235,6 +239,23 @@ absl::Status ReadGltfVertices(GltfDocument* document, const tinygltf::Primitive&
   }
   SL_RETURN_IF_ERROR(ReadInfluences(document, attributes, element, out, finite));
   return ReadTargets(document, primitive, element, out, finite);
+}
+
+absl::Status ReadGltfTangents(GltfDocument* document, const tinygltf::Primitive& primitive,
+                              absl::string_view element, MeshPrimitive* out) {
+  const auto found = primitive.attributes.find("TANGENT");
+  if (found == primitive.attributes.end() || out->normals.empty()) return absl::OkStatus();
+  std::vector<V4f> tangents;
+  SL_RETURN_IF_ERROR(ReadVectors(document, found->second, "TANGENT", &tangents));
+  ZeroWhatIsNotFinite(document, element, "TANGENT", &tangents);
+  SL_RETURN_IF_ERROR(document->memory.Take(3 * out->triangles.size() * sizeof(V4f),
+                                           GltfAccessorElement(found->second, "TANGENT")));
+  for (V4f& tangent : tangents) tangent.w = tangent.w < 0 ? -1.f : 1.f;
+  out->tangents.reserve(3 * out->triangles.size());
+  for (const std::array<uint32_t, 3>& triangle : out->triangles) {
+    for (const uint32_t vertex : triangle) out->tangents.push_back(tangents[vertex]);
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace shutterline::engine

@@ -37,6 +37,18 @@ struct Linear {
   double Determinant() const { return a.dot(b.cross(c)); }
 };
 
+/// The map of a skinned vertex: its joints' blended, or its first joint's where none has weight.
+Linear Blended(const std::vector<M44d>& view_from_bind, const VertexInfluences& influences) {
+  Linear linear;
+  bool any = false;
+  for (size_t k = 0; k < influences.weights.size(); ++k) {
+    if (influences.weights[k] == 0) continue;
+    linear.Add(influences.weights[k], view_from_bind[influences.joints[k]]);
+    any = true;
+  }
+  return any ? linear : Linear(view_from_bind[influences.joints[0]]);
+}
+
 /// What takes normals to view space: the inverse transpose, but for a factor.
 class NormalMap {
  public:
@@ -131,19 +143,15 @@ V3d MeshPose::MorphedNormal(const MeshPrimitive& primitive, uint32_t vertex) con
 }
 
 V3d MeshPose::Normal(const MeshPrimitive& primitive, uint32_t vertex) const {
-  Linear linear(view_from_object_);
-  if (IsSkinned(primitive)) {
-    linear = Linear();
-    const VertexInfluences& influences = primitive.influences[vertex];
-    bool any = false;
-    for (size_t k = 0; k < influences.weights.size(); ++k) {
-      if (influences.weights[k] == 0) continue;
-      linear.Add(influences.weights[k], view_from_bind_[influences.joints[k]]);
-      any = true;
-    }
-    if (!any) linear = Linear(view_from_bind_[influences.joints[0]]);
-  }
+  const Linear linear = IsSkinned(primitive) ? Blended(view_from_bind_, primitive.influences[vertex])
+                                             : Linear(view_from_object_);
   return NormalMap(linear)(MorphedNormal(primitive, vertex));
+}
+
+V3d MeshPose::Direction(const MeshPrimitive& primitive, uint32_t vertex, const V3d& direction) const {
+  const Linear linear = IsSkinned(primitive) ? Blended(view_from_bind_, primitive.influences[vertex])
+                                             : Linear(view_from_object_);
+  return UnitOrZero(direction.x * linear.a + direction.y * linear.b + direction.z * linear.c);
 }
 
 void MeshPose::WriteNormals(const MeshPrimitive& primitive, uint32_t first, std::span<V3f> out) const {

@@ -40,6 +40,11 @@ class MeshPose {
   /// must have normals.
   V3d Normal(const MeshPrimitive& primitive, uint32_t vertex) const;
 
+  /// A direction on the surface at a vertex, `direction` in object space, as a unit vector in view space;
+  /// zero where there is none. Morph targets do not turn it: glTF's offsets of tangents are not read, and a
+  /// shading normal turns it upright.
+  V3d Direction(const MeshPrimitive& primitive, uint32_t vertex, const V3d& direction) const;
+
   /// Whether the primitive is mirrored: the sign of the node's determinant, or, for skinned primitives, of
   /// the skin's first joint matrix that is regular.
   bool Mirrors(const MeshPrimitive& primitive) const;

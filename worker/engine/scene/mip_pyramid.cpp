@@ -10,16 +10,27 @@
 namespace shutterline::engine {
 namespace {
 
+float LinearFromSrgb(double s) {
+  return float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+}
+
 std::array<float, 256> MakeSrgbTable() {
   std::array<float, 256> table{};
-  for (int code = 0; code < 256; ++code) {
-    const double s = code / 255.0;
-    table[size_t(code)] = float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-  }
+  for (int code = 0; code < 256; ++code) table[size_t(code)] = LinearFromSrgb(code / 255.0);
   return table;
 }
 
 const std::array<float, 256> kSrgbTable = MakeSrgbTable();
+
+/// 256 KiB, made when the first picture of 16 bits is read.
+const std::vector<float>& Srgb16Table() {
+  static const auto& table = *new std::vector<float>([] {
+    std::vector<float> made(65536);
+    for (size_t code = 0; code < made.size(); ++code) made[code] = LinearFromSrgb(double(code) / 65535.0);
+    return made;
+  }());
+  return table;
+}
 
 /// Which texels of the larger level one texel covers along an axis, and how much of each: at most three.
 struct Cover {
@@ -46,25 +57,30 @@ float LinearFromSrgb8(uint8_t code) {
   return kSrgbTable[code];
 }
 
-MipPyramid::MipPyramid(const TextureImage& image) : image_(image) {
+float LinearFromSrgb16(uint16_t code) {
+  return Srgb16Table()[code];
+}
+
+MipPyramid::MipPyramid(const TextureImage& image, TextureEncoding encoding)
+    : image_(image), encoding_(encoding) {
   for (int level = 0; Width(level) > 1 || Height(level) > 1; ++level) {
     Level next;
     next.width = std::max(1, Width(level) / 2);
     next.height = std::max(1, Height(level) / 2);
-    next.rgb.resize(size_t(next.width) * size_t(next.height) * 3);
+    next.rgba.resize(size_t(next.width) * size_t(next.height) * 4);
     for (int y = 0; y < next.height; ++y) {
       const Cover rows = CoverOf(y, next.height, Height(level));
       for (int x = 0; x < next.width; ++x) {
         const Cover columns = CoverOf(x, next.width, Width(level));
-        V3f sum(0);
+        V4f sum(0);
         for (int j = 0; j < rows.count; ++j) {
           for (int i = 0; i < columns.count; ++i) {
             sum += rows.weights[size_t(j)] * columns.weights[size_t(i)] *
                    Texel(level, columns.first + i, rows.first + j);
           }
         }
-        uint16_t* texel = &next.rgb[(size_t(y) * size_t(next.width) + size_t(x)) * 3];
-        for (int c = 0; c < 3; ++c) {
+        uint16_t* texel = &next.rgba[(size_t(y) * size_t(next.width) + size_t(x)) * 4];
+        for (int c = 0; c < 4; ++c) {
           texel[c] = uint16_t(std::lround(std::clamp(sum[c], 0.f, 1.f) * 65535.f));
         }
       }
@@ -81,36 +97,44 @@ int MipPyramid::Height(int level) const {
   return level == 0 ? image_.height : levels_[size_t(level) - 1].height;
 }
 
-V3f MipPyramid::Texel(int level, int x, int y) const {
-  if (level == 0) {
-    const uint8_t* t = &image_.rgba[(size_t(y) * size_t(image_.width) + size_t(x)) * 4];
-    return {kSrgbTable[t[0]], kSrgbTable[t[1]], kSrgbTable[t[2]]};
+V4f MipPyramid::Texel(int level, int x, int y) const {
+  if (level > 0) {
+    const Level& l = levels_[size_t(level) - 1];
+    const uint16_t* t = &l.rgba[(size_t(y) * size_t(l.width) + size_t(x)) * 4];
+    return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
   }
-  const Level& l = levels_[size_t(level) - 1];
-  const uint16_t* t = &l.rgb[(size_t(y) * size_t(l.width) + size_t(x)) * 3];
-  return V3f(t[0], t[1], t[2]) / 65535.f;
+  const size_t at = (size_t(y) * size_t(image_.width) + size_t(x)) * 4;
+  if (!image_.rgba16.empty()) {
+    const uint16_t* t = &image_.rgba16[at];
+    if (encoding_ == TextureEncoding::kLinear) return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
+    return {LinearFromSrgb16(t[0]), LinearFromSrgb16(t[1]), LinearFromSrgb16(t[2]), t[3] / 65535.f};
+  }
+  const uint8_t* t = &image_.rgba[at];
+  if (encoding_ == TextureEncoding::kLinear) return V4f(t[0], t[1], t[2], t[3]) / 255.f;
+  return {kSrgbTable[t[0]], kSrgbTable[t[1]], kSrgbTable[t[2]], t[3] / 255.f};
 }
 
 MipPyramidCache& MipPyramidCache::operator=(const MipPyramidCache& other) {
   if (this != &other) {
     const std::lock_guard lock(mutex_);
-    pyramids_.clear();
+    pyramids_ = {};
   }
   return *this;
 }
 
-std::shared_ptr<const MipPyramid> MipPyramidCache::Get(const std::vector<TextureImage>& images,
-                                                       int image) const {
+std::shared_ptr<const MipPyramid> MipPyramidCache::Get(const std::vector<TextureImage>& images, int image,
+                                                       TextureEncoding encoding) const {
+  auto& of_encoding = pyramids_[size_t(encoding)];
   {
     const std::lock_guard lock(mutex_);
-    if (pyramids_.size() != images.size()) pyramids_.assign(images.size(), nullptr);
-    if (const auto& made = pyramids_[size_t(image)]) return made;
+    if (of_encoding.size() != images.size()) of_encoding.assign(images.size(), nullptr);
+    if (const auto& made = of_encoding[size_t(image)]) return made;
   }
   // Made without the lock, so that several images are made at a time; if two threads make the same one,
   // the first to finish wins and both are equal.
-  auto made = std::make_shared<const MipPyramid>(images[size_t(image)]);
+  auto made = std::make_shared<const MipPyramid>(images[size_t(image)], encoding);
   const std::lock_guard lock(mutex_);
-  auto& slot = pyramids_[size_t(image)];
+  auto& slot = of_encoding[size_t(image)];
   if (!slot) slot = std::move(made);
   return slot;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -11,34 +13,45 @@ namespace shutterline::engine {
 
 struct TextureImage;
 
+/// What the colours of an image stand for; its alpha is linear always.
+enum class TextureEncoding : uint8_t { kSrgb, kLinear };
+inline constexpr size_t kTextureEncodings = 2;
+
 /// An image at full size and at halves of it down to 1 x 1, each texel the mean of what it covers, in
-/// linear light. Level 0 is read from the image itself (8 bits, sRGB); the smaller levels are stored as
+/// linear light. Level 0 is read from the image itself (8 or 16 bits); the smaller levels are stored as
 /// linear 16 bit integers. Sides that do not halve are rounded down, with texels weighted by area.
+///
+/// Colours are averaged plainly, not weighted by alpha: the channels of an image may be four quantities that
+/// have nothing to do with one another, and glTF's colours are not premultiplied. So where alpha varies,
+/// colours under transparent texels bleed into the smaller levels.
+///
 /// Immutable; keeps a reference to the image.
 class MipPyramid {
  public:
-  explicit MipPyramid(const TextureImage& image);
+  MipPyramid(const TextureImage& image, TextureEncoding encoding);
 
   int level_count() const { return int(levels_.size()) + 1; }
   int Width(int level) const;
   int Height(int level) const;
-  /// Linear colour of a texel, rows from the top.
-  V3f Texel(int level, int x, int y) const;
+  /// Linear colour and alpha of a texel, rows from the top.
+  V4f Texel(int level, int x, int y) const;
 
  private:
   struct Level {
     int width = 0, height = 0;
-    std::vector<uint16_t> rgb;
+    std::vector<uint16_t> rgba;
   };
   const TextureImage& image_;
+  const TextureEncoding encoding_;
   std::vector<Level> levels_;  ///< From level 1 on.
 };
 
-/// Linear value of an 8 bit sRGB code (IEC 61966-2-1).
+/// Linear value of an 8 bit and of a 16 bit sRGB code (IEC 61966-2-1).
 float LinearFromSrgb8(uint8_t code);
+float LinearFromSrgb16(uint16_t code);
 
-/// The pyramids that a frame's materials use, one entry an image of the scene; null where none is used.
-using TextureSet = std::vector<std::shared_ptr<const MipPyramid>>;
+/// Pyramids by encoding and image of a scene; null where one is not used.
+using PyramidTable = std::array<std::vector<std::shared_ptr<const MipPyramid>>, kTextureEncodings>;
 
 /// Makes pyramids when first asked for and keeps them, so that frames of a scene share them. Belongs to the
 /// scene and dies with it. Thread-safe. A copy starts empty: it may belong to other images.
@@ -48,12 +61,14 @@ class MipPyramidCache {
   MipPyramidCache(const MipPyramidCache&) {}
   MipPyramidCache& operator=(const MipPyramidCache&);
 
-  /// The pyramid of images[image]; the images must be those of the scene that owns the cache, always.
-  std::shared_ptr<const MipPyramid> Get(const std::vector<TextureImage>& images, int image) const;
+  /// The pyramid of images[image], taken to be encoded so; the images must be those of the scene that owns
+  /// the cache, always.
+  std::shared_ptr<const MipPyramid> Get(const std::vector<TextureImage>& images, int image,
+                                        TextureEncoding encoding) const;
 
  private:
   mutable std::mutex mutex_;
-  mutable TextureSet pyramids_;
+  mutable PyramidTable pyramids_;
 };
 
 }  // namespace shutterline::engine

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "worker/engine/scene/camera_pose.h"
+#include "worker/engine/scene/material_textures.h"
 #include "worker/engine/scene/mesh_pose.h"
 #include "worker/engine/scene/pose.h"
 #include "worker/engine/scene/scene_bounds.h"
@@ -53,6 +54,26 @@ SceneInfo::AnimationInfo DescribeAnimation(const Animation& animation) {
   return info;
 }
 
+/// What a material uses, in the words of SceneInfo::materials_with.
+std::vector<std::string> UsesOf(const Material& material) {
+  std::vector<std::string> uses;
+  const auto note = [&](bool used, const char* what) {
+    if (used) uses.emplace_back(what);
+  };
+  note(material.unlit, "unlit");
+  note(material.double_sided, "double sides");
+  note(material.alpha_mode == AlphaMode::kMask, "alpha mask");
+  note(material.alpha_mode == AlphaMode::kBlend, "alpha blend");
+  note(material.emissive_factor != V3f(0), "emission");
+  bool transformed = false;
+  for (const MaterialTexture& texture : TexturesOf(material)) {
+    uses.push_back(absl::StrCat(texture.role, " texture"));
+    transformed = transformed || !texture.reference->transform.IsIdentity();
+  }
+  note(transformed, "texture transform");
+  return uses;
+}
+
 void CountStored(const Scene& scene, SceneInfo& info) {
   info.nodes = int64_t(scene.nodes.size());
   info.meshes = int64_t(scene.meshes.size());
@@ -72,8 +93,12 @@ void CountStored(const Scene& scene, SceneInfo& info) {
   info.textures = int64_t(scene.textures.size());
   for (const TextureImage& image : scene.images) {
     info.texture_pixels += int64_t{image.width} * image.height;
-    info.images.push_back({image.name, image.width, image.height});
+    info.images.push_back({image.name, image.width, image.height, image.rgba16.empty() ? 8 : 16});
   }
+  for (size_t m = 0; m < size_t(info.materials); ++m) {
+    for (const std::string& use : UsesOf(scene.materials[m])) ++info.materials_with[use];
+  }
+  for (const PunctualLight& light : scene.lights) info.lights.push_back({light.name, light.kind, 0});
   for (const Camera& camera : scene.cameras) info.cameras.push_back({camera.name, camera.perspective, -1});
   for (const Animation& animation : scene.animations) info.animations.push_back(DescribeAnimation(animation));
   for (const Skin& skin : scene.skins) info.skins.push_back({skin.name, int64_t(skin.joints.size())});
@@ -96,6 +121,7 @@ SceneInfo DescribeScene(const Scene& scene) {
     if (node.camera >= 0 && info.cameras[size_t(node.camera)].node < 0) {
       info.cameras[size_t(node.camera)].node = index;
     }
+    if (node.light >= 0) ++info.lights[size_t(node.light)].nodes;
     if (node.mesh < 0) continue;
     mesh_nodes.push_back(index);
     const MeshPose pose(scene, index, rest, CameraPose());
@@ -146,6 +172,18 @@ std::string MotionSummary(const FrameInfo& info) {
     absl::StrAppend(&text, absl::StrFormat("; at most %.1f px", info.largest_motion_pixels));
   }
   return text;
+}
+
+std::string KindName(PunctualLight::Kind kind) {
+  switch (kind) {
+    case PunctualLight::Kind::kDirectional:
+      return "directional";
+    case PunctualLight::Kind::kPoint:
+      return "point";
+    case PunctualLight::Kind::kSpot:
+      return "spot";
+  }
+  return "";
 }
 
 }  // namespace shutterline::engine

@@ -34,6 +34,12 @@ struct SceneInfo {
   struct ImageInfo {
     std::string name;
     int width = 0, height = 0;
+    int bits = 8;  ///< A channel.
+  };
+  struct LightInfo {
+    std::string name;
+    PunctualLight::Kind kind = PunctualLight::Kind::kPoint;
+    int64_t nodes = 0;  ///< Of the default scene, that place it.
   };
 
   std::string name;
@@ -51,7 +57,11 @@ struct SceneInfo {
   int64_t textures = 0;
   int64_t texture_pixels = 0;  ///< Of all images.
   int64_t morph_targets = 0;   ///< Summed over meshes; those of one mesh's primitives count once.
+  /// How many of these materials use what, by name: "unlit", "alpha mask", "normal texture"; those of 0 are
+  /// left out.
+  std::map<std::string, int64_t> materials_with;
   std::vector<ImageInfo> images;
+  std::vector<LightInfo> lights;
   std::vector<CameraInfo> cameras;
   std::vector<AnimationInfo> animations;
   std::vector<SkinInfo> skins;
@@ -79,5 +89,8 @@ FrameInfo DescribeFrame(const FrameScene& frame);
 /// The motion that was chosen, in a line: "12 primitives: 3 still, 7 of degree 1, 2 of degree 3; 2 in 4
 /// pieces; at most 35.2 px".
 std::string MotionSummary(const FrameInfo& info);
+
+/// "directional", "point" or "spot".
+std::string KindName(PunctualLight::Kind kind);
 
 }  // namespace shutterline::engine

@@ -26,4 +26,12 @@ Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at
   return finite ? footprint : Footprint{};
 }
 
+Footprint PixelFootprintAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t) {
+  const FrameTriangle& corners = frame.triangles[triangle];
+  const FramePrimitive& primitive = frame.primitives[corners.primitive];
+  RasterPoint vertices[3];
+  for (size_t i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, corners.vertices[i], t);
+  return PixelFootprint(vertices, at);
+}
+
 }  // namespace shutterline::engine

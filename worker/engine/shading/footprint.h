@@ -1,7 +1,8 @@
 #pragma once
 
 #include "common/math/spaces.h"
-#include "worker/engine/shading/shade.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/shading/barycentric.h"
 
 namespace shutterline::engine {
 
@@ -10,5 +11,8 @@ namespace shutterline::engine {
 /// Zeros where the triangle is seen edge-on, so that it has no such inverse, or the point is not in
 /// front of the camera.
 Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at);
+
+/// Of a triangle of the frame at shutter time t.
+Footprint PixelFootprintAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t);
 
 }  // namespace shutterline::engine

@@ -6,24 +6,27 @@
 namespace shutterline::engine {
 namespace {
 
+/// A footprint is at most so many times longer than it is wide; longer ones are blurred across.
+constexpr int kMostProbes = 16;
+
 /// Where uv lies in texels of a level; huge coordinates are reduced so that they fit an integer.
 double TexelCoordinate(double u, int size) {
   return std::clamp(u, -1e9, 1e9) * size;
 }
 
 /// Exact where both ends are equal, so that a constant image stays constant.
-V3f Mix(const V3f& a, const V3f& b, float part) {
+V4f Mix(const V4f& a, const V4f& b, float part) {
   return a + part * (b - a);
 }
 
-V3f Nearest(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
+V4f Nearest(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
   const int width = pyramid.Width(level), height = pyramid.Height(level);
   const auto x = int64_t(std::floor(TexelCoordinate(uv.x, width)));
   const auto y = int64_t(std::floor(TexelCoordinate(uv.y, height)));
   return pyramid.Texel(level, WrapTexel(x, width, texture.wrap_s), WrapTexel(y, height, texture.wrap_t));
 }
 
-V3f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
+V4f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const V2d& uv) {
   const int width = pyramid.Width(level), height = pyramid.Height(level);
   const double x = TexelCoordinate(uv.x, width) - 0.5, y = TexelCoordinate(uv.y, height) - 0.5;
   const auto x0 = int64_t(std::floor(x)), y0 = int64_t(std::floor(y));
@@ -32,6 +35,17 @@ V3f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const
   const int top = WrapTexel(y0, height, texture.wrap_t), bottom = WrapTexel(y0 + 1, height, texture.wrap_t);
   return Mix(Mix(pyramid.Texel(level, left, top), pyramid.Texel(level, right, top), fx),
              Mix(pyramid.Texel(level, left, bottom), pyramid.Texel(level, right, bottom), fx), fy);
+}
+
+/// Of a footprint of so many texels (of level 0, at least 1) in every direction.
+V4f Trilinear(const MipPyramid& pyramid, const Texture& texture, const V2d& uv, double texels) {
+  const int last = pyramid.level_count() - 1;
+  const double lod = std::min<double>(std::log2(texels), last);
+  const int level = std::min(int(lod), last);
+  const auto between = float(lod - level);
+  const V4f fine = Bilinear(pyramid, level, texture, uv);
+  if (between == 0) return fine;
+  return Mix(fine, Bilinear(pyramid, level + 1, texture, uv), between);
 }
 
 /// Length of a footprint axis in texels of level 0.
@@ -49,21 +63,29 @@ int WrapTexel(int64_t index, int size, WrapMode mode) {
   return int(i < size ? i : period - 1 - i);
 }
 
-V3f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, const V2d& duv_dx,
+V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, const V2d& duv_dx,
                   const V2d& duv_dy) {
   if (!std::isfinite(uv.x)) uv.x = 0;
   if (!std::isfinite(uv.y)) uv.y = 0;
-  const double texels = std::max(TexelLength(pyramid, duv_dx), TexelLength(pyramid, duv_dy));
-  if (!(texels > 1)) {
+  const double along_x = TexelLength(pyramid, duv_dx), along_y = TexelLength(pyramid, duv_dy);
+  const double longest = std::max(along_x, along_y);
+  if (!(longest > 1)) {
     return texture.nearest ? Nearest(pyramid, 0, texture, uv) : Bilinear(pyramid, 0, texture, uv);
   }
-  const int last = pyramid.level_count() - 1;
-  const double lod = std::min<double>(std::log2(texels), last);
-  const int level = std::min(int(lod), last);
-  const auto between = float(lod - level);
-  const V3f fine = Bilinear(pyramid, level, texture, uv);
-  if (between == 0) return fine;
-  return Mix(fine, Bilinear(pyramid, level + 1, texture, uv), between);
+  if (!std::isfinite(along_x) || !std::isfinite(along_y)) return Trilinear(pyramid, texture, uv, longest);
+  // The footprint is a parallelogram: so long, and across that side so wide.
+  const double area = std::abs(duv_dx.x * duv_dy.y - duv_dx.y * duv_dy.x) * pyramid.Width(0) * pyramid.Height(0);
+  const double width = std::max(area / longest, 1.0);
+  const double ratio = std::ceil(longest / width - 1e-6);
+  const int probes = ratio < kMostProbes ? std::max(int(ratio), 1) : kMostProbes;
+  const double texels = std::max(longest / probes, 1.0);
+  if (probes == 1) return Trilinear(pyramid, texture, uv, texels);
+  const V2d& axis = along_x >= along_y ? duv_dx : duv_dy;
+  V4f sum(0);
+  for (int i = 0; i < probes; ++i) {
+    sum += Trilinear(pyramid, texture, uv + ((i + 0.5) / probes - 0.5) * axis, texels);
+  }
+  return sum / float(probes);
 }
 
 }  // namespace shutterline::engine

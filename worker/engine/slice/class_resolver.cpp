@@ -17,26 +17,32 @@ constexpr int32_t kFirstBatchOfMany = 8;
 }  // namespace
 
 void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
-                            TileColors& colors, PairWeights& weights, RenderStats& stats) {
+                            TileColors& colors, const AlphaSource* alpha, PairWeights& weights,
+                            RenderStats& stats) {
   stats.lines += lines.rows();
   stats.instants += int64_t(instants.size()) * lines.rows();
   group_count_ = lines.groups.size();
   if (groups_.size() < group_count_) groups_.resize(group_count_);
   const GroupResolver::Plan plan = MakePlan(strata, lines);
   for (size_t g = 0; g < group_count_; ++g) {
-    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], plan, colors, stats);
+    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], plan, colors, alpha, stats);
   }
 
   still_.Begin(strata.still(), lines, 0.5);
   PlaceAll(still_);
+  const bool has_layers = strata.mesh().has_layers();
+  if (has_layers) {
+    still_layers_.Begin(strata.still_layers(), lines, 0.5);
+    PlaceLayers(still_layers_);
+  }
   for (size_t g = 0; g < group_count_; ++g) groups_[g].EndStatic();
 
   if (!strata.moves()) {
     for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(int64_t(instants.size()));
   } else {
-    for (const double t : instants) ResolveInstant(strata.At(t), lines, t);
+    for (const double t : instants) ResolveInstant(strata, lines, t);
   }
-  for (size_t g = 0; g < group_count_; ++g) groups_[g].End(still_, weights);
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].End({.still = &still_, .still_layers = &still_layers_}, weights);
 }
 
 GroupResolver::Plan ClassResolver::MakePlan(const TileStrata& strata, const LineClass& lines) {
@@ -63,15 +69,29 @@ void ClassResolver::PlaceAll(InstantPlacer& placer) {
   }
 }
 
-void ClassResolver::ResolveInstant(Stratum& stratum, const LineClass& lines, double t) {
-  if (stratum.empty()) {
+void ClassResolver::PlaceLayers(InstantPlacer& placer) {
+  // What is opaque has been placed: the depth behind which nothing shows is known.
+  while (placer.PlaceNext()) {
+    for (size_t g = 0; g < group_count_; ++g) groups_[g].TakeLayers(placer.placed());
+  }
+}
+
+void ClassResolver::ResolveInstant(TileStrata& strata, const LineClass& lines, double t) {
+  Stratum& stratum = strata.At(t);
+  const bool has_layers = strata.mesh().has_layers();
+  if (stratum.empty() && !(has_layers && !strata.LayersAt(t).empty())) {
     for (size_t g = 0; g < group_count_; ++g) groups_[g].Rest(1);
     return;
   }
-  moving_.Begin(stratum, lines, t);
   for (size_t g = 0; g < group_count_; ++g) groups_[g].BeginInstant();
+  moving_.Begin(stratum, lines, t);
   PlaceAll(moving_);
-  for (size_t g = 0; g < group_count_; ++g) groups_[g].EndInstant(moving_, still_, t);
+  if (has_layers) {
+    moving_layers_.Begin(strata.LayersAt(t), lines, t);
+    PlaceLayers(moving_layers_);
+  }
+  const GroupResolver::Placers placers{&still_, &moving_, &still_layers_, &moving_layers_};
+  for (size_t g = 0; g < group_count_; ++g) groups_[g].EndInstant(placers, t);
 }
 
 }  // namespace shutterline::engine

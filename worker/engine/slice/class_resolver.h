@@ -14,19 +14,20 @@ namespace shutterline::engine {
 /// its memory; one per thread.
 class ClassResolver {
  public:
-  /// `instants`: the times at which what moves is resolved; each weighs 1.
+  /// `instants`: the times at which what moves is resolved; each weighs 1, or kLayerUnit where there are layers.
   void Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
-               TileColors& colors, PairWeights& weights, RenderStats& stats);
+               TileColors& colors, const AlphaSource* alpha, PairWeights& weights, RenderStats& stats);
 
  private:
   static GroupResolver::Plan MakePlan(const TileStrata& strata, const LineClass& lines);
-  void ResolveInstant(Stratum& stratum, const LineClass& lines, double t);
+  void ResolveInstant(TileStrata& strata, const LineClass& lines, double t);
   /// Hands out what the placer has left to place, nearest first, until nothing more of it can be seen.
   void PlaceAll(InstantPlacer& placer);
+  void PlaceLayers(InstantPlacer& placer);
 
   std::vector<GroupResolver> groups_;
   size_t group_count_ = 0;
-  InstantPlacer still_, moving_;
+  InstantPlacer still_, moving_, still_layers_, moving_layers_;
 };
 
 }  // namespace shutterline::engine

@@ -45,13 +45,14 @@ EffortChooser::EffortChooser(const RenderSettings& settings)
       by_motion_(settings),
       at_most_(WithTimeStep(settings, std::min(settings.time_step, kFinestTimeStep))) {}
 
-Effort EffortChooser::Choose(TileStrata& strata, ColorFilm* film, Workspace& work, RenderStats& stats) const {
+Effort EffortChooser::Choose(TileStrata& strata, ColorFilm* film, const AlphaSource* alpha, Workspace& work,
+                             RenderStats& stats) const {
   const bool can_measure = target_error_ > 0 && film != nullptr && film->CanGuess();
-  if (can_measure && (strata.moves() || pattern_is_free_)) return Measure(strata, *film, work, stats);
+  if (can_measure && (strata.moves() || pattern_is_free_)) return Measure(strata, *film, alpha, work, stats);
   return {&pattern_, strata.moves() ? by_motion_.InstantsFor(strata.motion_pixels()) : 1};
 }
 
-Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, Workspace& work,
+Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSource* alpha, Workspace& work,
                               RenderStats& stats) const {
   const double motion = strata.motion_pixels();
   const int64_t most = strata.moves() ? at_most_.InstantsFor(motion) : 1;
@@ -61,7 +62,8 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, Workspace& wo
 
   const LinePattern& single = LinePattern::Get(PatternKind::k1h1v);
   const EffortPilot::Findings found =
-      work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()), pilot, work.colors, film, stats);
+      work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()), pilot, work.colors, film,
+                     alpha, stats);
   const double samples =
       double(found.samples) * std::pow(kTimeShare * found.time_difference / target_error_, 1 / kTimeSlope);
   const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;

@@ -34,10 +34,12 @@ class EffortChooser {
   };
 
   /// The film, which may be null, is written over. Thread-safe; the workspace is the caller's.
-  Effort Choose(TileStrata& strata, ColorFilm* film, Workspace& work, RenderStats& stats) const;
+  Effort Choose(TileStrata& strata, ColorFilm* film, const AlphaSource* alpha, Workspace& work,
+                RenderStats& stats) const;
 
  private:
-  Effort Measure(TileStrata& strata, ColorFilm& film, Workspace& work, RenderStats& stats) const;
+  Effort Measure(TileStrata& strata, ColorFilm& film, const AlphaSource* alpha, Workspace& work,
+                 RenderStats& stats) const;
   const LinePattern& PatternFor(double space_difference, double samples) const;
 
   const LinePattern& pattern_;

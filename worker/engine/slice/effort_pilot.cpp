@@ -21,18 +21,19 @@ constexpr int64_t kFewestChanging = 128;
 
 EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<LineClass>& classes,
                                        int64_t instants, TileColors& colors, ColorFilm& film,
-                                       RenderStats& stats) {
+                                       const AlphaSource* alpha, RenderStats& stats) {
   colors.BeginGuessing(strata.mesh(), film);
   const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
   const bool moves = instants > 1;
   for (size_t f = 0; f < 2; ++f) {
     const double offset = f == 0 ? 0.25 : 0.75;
     for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
-      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, stats, parts_[f][half]);
+      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, alpha, stats,
+                 parts_[f][half]);
     }
   }
 
-  const double weight = double(instants) * double(kSubpixelsPerPixel);  // Of a family, or of a half.
+  const double weight = double(instants) * double(kSubpixelsPerPixel * strata.mesh().weight_unit());  // Of a family, or of a half.
   double time_sum = 0, space_sum = 0;
   int64_t changing = 0;
   for (size_t i = 0; i < parts_[0][0].size(); ++i) {
@@ -63,8 +64,8 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
 }
 
 void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset,
-                             bool inner, TileColors& colors, ColorFilm& film, RenderStats& stats,
-                             Sums& sums) {
+                             bool inner, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
+                             RenderStats& stats, Sums& sums) {
   instants_.clear();
   for (int64_t i = 0; i < instants; ++i) {
     const bool is_inner = i % 4 == 1 || i % 4 == 2;
@@ -72,7 +73,7 @@ void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t
   }
   film.Reset(strata.mesh().rect().Area());
   const int64_t lines_before = stats.lines;
-  resolver_.Resolve(strata, lines, instants_, colors, no_pairs_, stats);
+  resolver_.Resolve(strata, lines, instants_, colors, alpha, no_pairs_, stats);
   stats.lines = lines_before;  // Lines of the picture are counted, not those of the pilot.
   sums = film.sums();
 }

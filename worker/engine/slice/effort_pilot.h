@@ -32,13 +32,13 @@ class EffortPilot {
   /// The first and the last of `classes` are of different families. `instants`: a multiple of 4, or 1 where
   /// nothing moves. Writes over the film.
   Findings Fly(TileStrata& strata, const std::vector<LineClass>& classes, int64_t instants,
-               TileColors& colors, ColorFilm& film, RenderStats& stats);
+               TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats);
 
  private:
   using Sums = std::vector<std::array<double, 4>>;
 
   void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
-                  TileColors& colors, ColorFilm& film, RenderStats& stats, Sums& sums);
+                  TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats, Sums& sums);
 
   ClassResolver resolver_;
   PairWeights no_pairs_;

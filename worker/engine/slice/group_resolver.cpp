@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kNothingHidden = -std::numeric_limits<float>::infinity();
 constexpr float kEverythingHidden = std::numeric_limits<float>::infinity();
+constexpr int32_t kNever = std::numeric_limits<int32_t>::max();
 constexpr uint32_t kAllLanes = (uint32_t{1} << kLanes) - 1;
 
 constexpr auto kOnce = [] {
@@ -19,7 +20,8 @@ constexpr auto kOnce = [] {
 }  // namespace
 
 void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group,
-                          const Plan& plan, TileColors& colors, RenderStats& stats) {
+                          const Plan& plan, TileColors& colors, const AlphaSource* alpha,
+                          RenderStats& stats) {
   mesh_ = &mesh;
   lines_ = &lines;
   group_ = &group;
@@ -51,6 +53,16 @@ void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const Li
     at_rest_[size_t(k)].fill(0);
   }
   hidden_everywhere_ = static_hidden_everywhere_ = kNothingHidden;
+  if (!mesh.has_layers()) return;
+  compositor_.Begin(mesh, alpha);
+  for (int k = 0; k < stretches_; ++k) {
+    SegmentLists& layers = layers_[size_t(k)];
+    layers.stretch_begin = k << shift_;
+    layers.stretch_end = (k + 1) << shift_;
+    layers.compact_at = kNever;
+    layers.Clear();
+    static_layers_[size_t(k)].Clear();
+  }
 }
 
 void GroupResolver::Take(const PlacedTriangles& placed) {
@@ -65,7 +77,19 @@ void GroupResolver::Take(const PlacedTriangles& placed) {
   }
 }
 
+void GroupResolver::TakeLayers(const PlacedTriangles& placed) {
+  Stretches stretches{.lists = {layers_.data(), size_t(stretches_)},
+                      .shift = shift_,
+                      .hidden_below = {hidden_below_.data(), size_t(stretches_)}};
+  for (size_t next = 0; next < placed.met_count;) {
+    next = MakeSegments(placed, next, *group_, stretches, stats_->segments);
+  }
+}
+
 void GroupResolver::EndStatic() {
+  if (mesh_->has_layers()) {
+    for (int k = 0; k < stretches_; ++k) static_layers_[size_t(k)].StartFrom(layers_[size_t(k)]);
+  }
   for (int k = 0; k < stretches_; ++k) {
     if (lists_[size_t(k)].touched == 0) continue;
     Compact(k);
@@ -92,19 +116,22 @@ void GroupResolver::BeginInstant() {
     lists.Truncate(static_lists_[size_t(k)].rows);
     lists.compact_at = CompactAt(lists.rows);
     hidden_below_[size_t(k)] = static_hidden_below_[size_t(k)];
+    if (mesh_->has_layers()) layers_[size_t(k)].Truncate(static_layers_[size_t(k)].rows);
   }
   hidden_everywhere_ = static_hidden_everywhere_;
 }
 
-void GroupResolver::EndInstant(InstantPlacer& moving, InstantPlacer& still, double t) {
+void GroupResolver::EndInstant(const Placers& placers, double t) {
   for (int k = 0; k < stretches_; ++k) {
     const SegmentLists& lists = lists_[size_t(k)];
+    const SegmentLists& layers = layers_[size_t(k)];
+    const uint32_t touched = mesh_->has_layers() ? lists.touched | layers.touched : lists.touched;
     for (int lane = 0; lane < group_->lanes; ++lane) {
-      if ((lists.touched >> lane & 1) == 0) ++at_rest_[size_t(k)][size_t(lane)];
+      if ((touched >> lane & 1) == 0) ++at_rest_[size_t(k)][size_t(lane)];
     }
-    if (lists.touched == 0) continue;
-    March(lists, mesh_->ids().data(), *group_, lists.touched, pieces_);
-    AddPieces(lists, lists.touched, pieces_, t, kOnce, &moving, still);
+    if (touched == 0) continue;
+    March(lists, mesh_->ids().data(), *group_, touched, pieces_);
+    AddPieces(lists, layers, touched, pieces_, t, kOnce, placers);
   }
 }
 
@@ -114,10 +141,10 @@ void GroupResolver::Rest(int64_t instants) {
   }
 }
 
-void GroupResolver::End(InstantPlacer& still, PairWeights& weights) {
+void GroupResolver::End(const Placers& placers, PairWeights& weights) {
   for (int k = 0; k < stretches_; ++k) {
-    AddPieces(static_lists_[size_t(k)], kAllLanes, static_pieces_[size_t(k)], 0, at_rest_[size_t(k)], nullptr,
-              still);
+    AddPieces(static_lists_[size_t(k)], static_layers_[size_t(k)], kAllLanes, static_pieces_[size_t(k)], 0,
+              at_rest_[size_t(k)], placers);
   }
   sums_.End(weights);
 }
@@ -168,19 +195,52 @@ void GroupResolver::Compact(int stretch) {
   UpdateHiddenEverywhere();
 }
 
-void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces,
-                              double t, const std::array<int64_t, kLanes>& weights, InstantPlacer* moving,
-                              InstantPlacer& still) {
+LayerCompositor::Span GroupResolver::SpanOf(const SegmentLists& lists, int lane, int32_t entry, int32_t begin,
+                                            int32_t end, const Placers& placers) {
+  const size_t at = size_t(entry) * kLanes + size_t(lane);
+  LayerCompositor::Span span{.begin = begin, .end = end, .depth = 0, .slope = lists.slope[at],
+                             .index = lists.index[at], .position = {}};
+  span.depth = lists.depth[at] + span.slope * float(begin - lists.begin[at]);
+  const TileMeshTriangle& triangle = mesh_->triangles()[span.index];
+  if (triangle.needs_position) {
+    span.position = placers.Of(triangle).PositionOn(span.index, group_->first_row + lane);
+  }
+  return span;
+}
+
+bool GroupResolver::GatherLayers(const SegmentLists& layers, int lane, const Placers& placers) {
+  layers_of_lane_.clear();
+  const int32_t from = std::max(group_->begin[size_t(lane)], layers.stretch_begin);
+  const int32_t to = std::min(group_->end[size_t(lane)], layers.stretch_end);
+  for (int32_t r = 0; r < layers.rows; ++r) {
+    const size_t at = size_t(r) * kLanes + size_t(lane);
+    const int32_t begin = std::max(layers.begin[at], from), end = std::min(layers.end[at], to);
+    if (begin < end) layers_of_lane_.push_back(SpanOf(layers, lane, r, begin, end, placers));
+  }
+  return !layers_of_lane_.empty();
+}
+
+void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
+                              const VisiblePieces& pieces, double t,
+                              const std::array<int64_t, kLanes>& weights, const Placers& placers) {
+  const int64_t unit = mesh_->weight_unit();
   for (int lane = 0; lane < group_->lanes; ++lane) {
-    const int64_t weight = weights[size_t(lane)];
-    if ((lanes >> lane & 1) == 0 || weight == 0) continue;
+    const int64_t instants = weights[size_t(lane)];
+    if ((lanes >> lane & 1) == 0 || instants == 0) continue;
+    const int64_t weight = instants * unit;
     sums_.BeginLane(lane, double(weight));
+    const bool is_layered = mesh_->has_layers() && GatherLayers(layers, lane, placers);
+    pieces_of_lane_.clear();
     for (int32_t r = 0; r < pieces.rows; ++r) {
       const size_t at = size_t(r) * kLanes + size_t(lane);
       const int32_t begin = pieces.begin[at];
       const int32_t end = pieces.end[at];
       if (begin >= end) continue;
       ++stats_->spans;
+      if (is_layered) {
+        pieces_of_lane_.push_back(SpanOf(lists, lane, pieces.entry[at], begin, end, placers));
+        continue;
+      }
       const uint32_t index = lists.index[size_t(pieces.entry[at]) * kLanes + size_t(lane)];
       const ColorKind kind = colors_->KindOf(index);
       if (kind == ColorKind::kConstant) {
@@ -190,8 +250,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const V
       const TileMeshTriangle& triangle = mesh_->triangles()[index];
       LinePosition position;
       if (triangle.needs_position) {
-        InstantPlacer& placer = triangle.moves ? *moving : still;
-        position = placer.PositionOn(index, group_->first_row + lane);
+        position = placers.Of(triangle).PositionOn(index, group_->first_row + lane);
       }
       if (kind == ColorKind::kSmooth) {
         sums_.AddSmooth(begin, end, index, position);
@@ -199,6 +258,9 @@ void GroupResolver::AddPieces(const SegmentLists& lists, uint32_t lanes, const V
       }
       const auto bin = uint16_t(t * double(1u << triangle.shading_bins_log2));
       sums_.AddApart(lane, begin, end, index, bin, weight, position);
+    }
+    if (is_layered) {
+      compositor_.Composite(layers_of_lane_, pieces_of_lane_, t, instants, lane, *colors_, sums_);
     }
     sums_.EndLane();
   }

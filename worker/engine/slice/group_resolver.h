@@ -8,6 +8,7 @@
 #include "worker/engine/render/stats.h"
 #include "worker/engine/slice/instant_placer.h"
 #include "worker/engine/slice/kernels.h"
+#include "worker/engine/slice/layer_compositor.h"
 #include "worker/engine/slice/line_class.h"
 #include "worker/engine/slice/line_sums.h"
 #include "worker/engine/slice/segment_lists.h"
@@ -25,9 +26,22 @@ class GroupResolver {
     int32_t first_batch = 8;  ///< Segments that a list takes before what is hidden among them is dropped.
   };
 
-  /// Begins a group of a class of a tile.
+  /// Who knows where on a triangle a line's points lie, by what it is; null where there is none of its kind.
+  struct Placers {
+    InstantPlacer* still = nullptr;
+    InstantPlacer* moving = nullptr;
+    InstantPlacer* still_layers = nullptr;
+    InstantPlacer* moving_layers = nullptr;
+
+    InstantPlacer& Of(const TileMeshTriangle& triangle) const {
+      if (triangle.layer) return triangle.moves ? *moving_layers : *still_layers;
+      return triangle.moves ? *moving : *still;
+    }
+  };
+
+  /// Begins a group of a class of a tile. `alpha` may be null, see LayerCompositor.
   void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, const Plan& plan,
-             TileColors& colors, RenderStats& stats);
+             TileColors& colors, const AlphaSource* alpha, RenderStats& stats);
 
   /// The depth below which nothing can be seen anywhere on the lines.
   float hidden_everywhere() const { return hidden_everywhere_; }
@@ -35,17 +49,20 @@ class GroupResolver {
   /// Cuts triangles by the lines.
   void Take(const PlacedTriangles& placed);
 
+  /// The same with layers, which hide nothing: after what is opaque has been taken.
+  void TakeLayers(const PlacedTriangles& placed);
+
   /// What has been taken so far stands still: from now on only what is visible of it takes part.
   void EndStatic();
 
   void BeginInstant();
   /// What is visible at shutter time t, with the triangles taken since BeginInstant, goes to the sums.
-  void EndInstant(InstantPlacer& moving, InstantPlacer& still, double t);
+  void EndInstant(const Placers& placers, double t);
   /// At `instants` instants nothing that moves is anywhere near.
   void Rest(int64_t instants);
 
-  /// Hands on what has been seen. `still` holds the triangles that stand still.
-  void End(InstantPlacer& still, PairWeights& weights);
+  /// Hands on what has been seen. `placers` has those of what stands still.
+  void End(const Placers& placers, PairWeights& weights);
 
   /// Lines are at most kMaxLinePixels long and stretches at least kShortestStretch.
   static constexpr int kShortestStretchLog2 = 2;
@@ -59,8 +76,14 @@ class GroupResolver {
   /// Drops what is hidden in a stretch, and notes what is hidden behind the rest.
   void Compact(int stretch);
   void UpdateHiddenEverywhere();
-  void AddPieces(const SegmentLists& lists, uint32_t lanes, const VisiblePieces& pieces, double t,
-                 const std::array<int64_t, kLanes>& weights, InstantPlacer* moving, InstantPlacer& still);
+  void AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
+                 const VisiblePieces& pieces, double t, const std::array<int64_t, kLanes>& weights,
+                 const Placers& placers);
+  /// Appends a lane's segments, those entries of its list that `entries` tells with parts [begin, end).
+  LayerCompositor::Span SpanOf(const SegmentLists& lists, int lane, int32_t entry, int32_t begin, int32_t end,
+                               const Placers& placers);
+  /// The lane's layers to layers_of_lane_; false if it has none.
+  bool GatherLayers(const SegmentLists& layers, int lane, const Placers& placers);
 
   const TileMesh* mesh_ = nullptr;
   const LineClass* lines_ = nullptr;
@@ -88,6 +111,11 @@ class GroupResolver {
   std::array<HiddenBelow, kMostStretches> static_hidden_below_{};
   float static_hidden_everywhere_ = 0;
   std::array<bool, kMostStretches> holds_static_{};  // lists_ begins with static_lists_.
+
+  // Layers, where the tile has any: those that stand still in the first rows.
+  LayerCompositor compositor_;
+  std::array<SegmentLists, kMostStretches> layers_, static_layers_;
+  std::vector<LayerCompositor::Span> layers_of_lane_, pieces_of_lane_;
   /// Instants at which nothing that moves is on a lane's stretch.
   std::array<std::array<int64_t, kLanes>, kMostStretches> at_rest_;
 };

@@ -18,16 +18,17 @@ void LineSums::Begin(const TileMesh& mesh, const LineClass& lines, const LineGro
   }
 }
 
-void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
+void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position,
+                         double weight) {
   for (int32_t at = begin; at < end;) {
     const int step = at >> kSubpixelBits;
     const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
     // The colour in the middle of the part stands for its mean.
     const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
     const Color color = colors_->ColorAt(index, position, l);
-    const double weight = weight_ * double(next - at);
+    const double length = weight * double(next - at);
     Color& share = shares_of_lane_[step];
-    for (size_t c = 0; c < 4; ++c) share[c] += weight * color[c];
+    for (size_t c = 0; c < 4; ++c) share[c] += length * color[c];
     at = next;
   }
 }

@@ -52,7 +52,19 @@ class LineSums {
     color_ = &color;
     end_ = end;
   }
-  void AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position);
+  void AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position) {
+    AddSmooth(begin, end, index, position, weight_);
+  }
+  /// The same with a weight of their own: pieces seen through others. They may overlap.
+  void AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position, double weight);
+  void AddFlatShare(int32_t begin, int32_t end, uint32_t index, double weight) {
+    const Color& color = colors_->ColorOf(index);
+    Color change;
+    for (size_t c = 0; c < 4; ++c) change[c] = weight * color[c];
+    Change(begin, change);
+    for (size_t c = 0; c < 4; ++c) change[c] = -change[c];
+    Change(end, change);
+  }
   void EndLane() {
     if (color_ == nullptr) return;
     Color change;

@@ -23,8 +23,9 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
   std::unique_ptr<Workspace> work = TakeWorkspace();
   work->mesh.Build(tile, pattern_);
   work->strata.Build(work->mesh);
-  const Effort effort = effort_chooser_.Choose(work->strata, flat, work->effort, stats);
-  const auto line_weight = uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel};
+  const Effort effort = effort_chooser_.Choose(work->strata, flat, tile.alpha, work->effort, stats);
+  const auto line_weight =
+      uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel} * uint64_t(work->mesh.weight_unit());
   weights.Reset(tile.rect.Area(), line_weight * uint64_t(effort.pattern->StepsPerPixel()));
   if (flat != nullptr) flat->Reset(tile.rect.Area());
   work->colors.Begin(work->mesh, flat);
@@ -34,7 +35,7 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
       for (int64_t i = 0; i < effort.instants; ++i) {
         work->instants.push_back(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset));
       }
-      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, weights, stats);
+      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha, weights, stats);
     }
   }
   const std::lock_guard lock(mutex_);

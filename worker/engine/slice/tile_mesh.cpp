@@ -73,6 +73,7 @@ void TileMesh::Build(const TileInput& input, const LinePattern& pattern) {
   MakeVertices(TileVertexMaker(input.frame, input.rect, pattern));
   unsorted_.clear();
   places_.clear();
+  has_layers_ = false;
   for (size_t i = 0; i < input.candidates.size(); ++i) {
     AddTriangle(input.candidates[i], corners_[i], input.traits[met_[corners_[i][0]].primitive]);
   }
@@ -148,6 +149,10 @@ void TileMesh::AddTriangle(uint32_t id, const std::array<uint32_t, 3>& numbers,
   triangle.moves = a.moves || b.moves || c.moves;
   triangle.cull_back = traits.cull_back;
   triangle.needs_position = traits.needs_position;
+  triangle.layer = traits.layer;
+  triangle.layer_alpha = traits.layer_alpha;
+  triangle.alpha_cutoff = traits.alpha_cutoff;
+  has_layers_ = has_layers_ || traits.layer;
   triangle.nearest = RoundedUp(std::max({a.nearest, b.nearest, c.nearest})) * kFloatDepthSlack;
   const double motion = std::max({a.motion_pixels, b.motion_pixels, c.motion_pixels});
   triangle.motion_pixels = RoundedUp(motion);

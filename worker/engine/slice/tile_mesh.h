@@ -8,6 +8,7 @@
 #include "common/math/spaces.h"
 #include "worker/engine/sampling/line_pattern.h"
 #include "worker/engine/slice/tile_vertex.h"
+#include "worker/engine/visibility/layers.h"
 #include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
@@ -16,6 +17,9 @@ struct TileMeshTriangle {
   uint32_t id = 0;  ///< In the frame.
   std::array<uint32_t, 3> vertices{};
   bool moves = false, cull_back = false, needs_position = false;
+  /// It lets light through; see PrimitiveTraits.
+  bool layer = false;
+  float layer_alpha = 1, alpha_cutoff = 0;
   uint8_t shading_bins_log2 = 0;
   float nearest = 0;  ///< Bound on depth over the shutter, rounded up.
   float motion_pixels = 0;
@@ -36,6 +40,9 @@ class TileMesh {
   double far_depth() const { return far_depth_; }
   const std::vector<TileVertex>& vertices() const { return vertices_; }
   const std::vector<TileMeshTriangle>& triangles() const { return triangles_; }
+  /// Is any of them a layer? Weights are counted in units of kLayerUnit then.
+  bool has_layers() const { return has_layers_; }
+  int64_t weight_unit() const { return has_layers_ ? kLayerUnit : 1; }
 
   /// By triangle: its number in the frame.
   const std::vector<uint32_t>& ids() const { return ids_; }
@@ -78,6 +85,7 @@ class TileMesh {
   std::vector<std::array<uint32_t, 3>> corners_;  ///< By candidate: vertices in the tile.
   std::vector<TileVertex> vertices_;
   std::vector<TileMeshTriangle> unsorted_, triangles_;
+  bool has_layers_ = false;
   std::vector<Place> places_;
   std::vector<uint32_t> ids_;
 };

@@ -12,30 +12,39 @@ constexpr double kPixelsPerStratum = 32;
 
 void TileStrata::Build(const TileMesh& mesh) {
   mesh_ = &mesh;
-  still_indices_.clear();
-  moving_indices_.clear();
+  for (auto* indices : {&still_indices_, &moving_indices_, &still_layer_indices_, &moving_layer_indices_}) {
+    indices->clear();
+  }
   motion_pixels_ = -1;
   const std::vector<TileMeshTriangle>& triangles = mesh.triangles();
   for (uint32_t i = 0; i < triangles.size(); ++i) {
-    (triangles[i].moves ? moving_indices_ : still_indices_).push_back(i);
+    if (triangles[i].layer) {
+      (triangles[i].moves ? moving_layer_indices_ : still_layer_indices_).push_back(i);
+    } else {
+      (triangles[i].moves ? moving_indices_ : still_indices_).push_back(i);
+    }
     if (triangles[i].moves) motion_pixels_ = std::max(motion_pixels_, double(triangles[i].motion_pixels));
   }
   CountSegments();
 
   still_.Build(mesh, still_indices_, 0, 1);
+  if (mesh.has_layers()) still_layers_.Build(mesh, still_layer_indices_, 0, 1);
   count_ = 0;
-  if (moving_indices_.empty()) return;
+  if (!moves()) return;
   count_ = 1;
   while (double(count_) * kPixelsPerStratum < motion_pixels_) count_ *= 2;
   if (moving_.size() < count_) moving_.resize(count_);
+  if (mesh.has_layers() && moving_layers_.size() < count_) moving_layers_.resize(count_);
   const double length = 1 / double(count_);
   for (size_t s = 0; s < count_; ++s) {
-    moving_[s].Build(mesh, moving_indices_, double(s) * length, double(s + 1) * length);
+    const double begin = double(s) * length, end = double(s + 1) * length;
+    moving_[s].Build(mesh, moving_indices_, begin, end);
+    if (mesh.has_layers()) moving_layers_[s].Build(mesh, moving_layer_indices_, begin, end);
   }
 }
 
-Stratum& TileStrata::At(double t) {
-  return moving_[std::min(count_ - 1, size_t(t * double(count_)))];
+size_t TileStrata::NumberAt(double t) const {
+  return std::min(count_ - 1, size_t(t * double(count_)));
 }
 
 void TileStrata::CountSegments() {

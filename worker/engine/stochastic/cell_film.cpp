@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "worker/engine/shading/footprint.h"
-#include "worker/engine/shading/shade.h"
 
 namespace shutterline::engine {
 namespace {
@@ -14,9 +13,9 @@ constexpr uint32_t kLongestSearch = 24;
 
 }  // namespace
 
-void CellFilm::Reset(const FrameScene& frame, const CellTriangles& cell) {
+void CellFilm::Reset(const Shader& shader, const CellTriangles& cell) {
   constexpr size_t kPixels = size_t{kCellSize} * kCellSize;
-  frame_ = &frame;
+  shader_ = &shader;
   cell_ = &cell;
   varying_ = std::any_of(cell.triangles.begin(), cell.triangles.end(),
                          [](const CellTriangle& t) { return t.needs_position; });
@@ -35,7 +34,7 @@ void CellFilm::Reset(const FrameScene& frame, const CellTriangles& cell) {
 const CellFilm::Rgba& CellFilm::ColorOf(uint32_t seen) {
   Rgba& color = colors_[seen];
   if (color[3] < 0) {
-    const V3f radiance = Shade(*frame_, cell_->triangles[seen - 1].id, Barycentric{}, Footprint{});
+    const V3f radiance = shader_->Shade(cell_->triangles[seen - 1].id, Barycentric{}, Footprint{});
     color = Rgba{radiance.x, radiance.y, radiance.z, 1};
   }
   return color;
@@ -149,16 +148,17 @@ CellFilm::Pair& CellFilm::PairOf(int pixel, uint32_t id, uint32_t triangle, uint
 
 V3f CellFilm::ShadePair(const Pair& pair) const {
   const CellTriangle& triangle = cell_->triangles[pair.triangle];
-  const FrameTriangle& corners = frame_->triangles[triangle.id];
-  const FramePrimitive& primitive = frame_->primitives[corners.primitive];
+  const FrameScene& frame = shader_->frame();
+  const FrameTriangle& corners = frame.triangles[triangle.id];
+  const FramePrimitive& primitive = frame.primitives[corners.primitive];
   // Rounding may leave the triangle.
   Barycentric at;
   at.b1 = std::clamp(pair.b1 / pair.count, 0.0, 1.0);
   at.b2 = std::clamp(pair.b2 / pair.count, 0.0, 1.0 - at.b1);
   const double t = (pair.bin + 0.5) / double(1u << triangle.shading_bins_log2);
   RasterPoint vertices[3];
-  for (size_t i = 0; i < 3; ++i) vertices[i] = frame_->VertexAt(primitive, corners.vertices[i], t);
-  return Shade(*frame_, triangle.id, at, PixelFootprint(vertices, at));
+  for (size_t i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, corners.vertices[i], t);
+  return shader_->Shade(triangle.id, at, PixelFootprint(vertices, at));
 }
 
 void CellFilm::Write(const Pass& pass, int x, int y, const TileRect& rect, std::span<float> rgba,

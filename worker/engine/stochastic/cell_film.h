@@ -9,7 +9,7 @@
 
 #include "common/job/tile.h"
 #include "worker/engine/render/stats.h"
-#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/shading/shade.h"
 #include "worker/engine/stochastic/cell.h"
 #include "worker/engine/stochastic/pass_raster.h"
 
@@ -23,8 +23,8 @@ namespace shutterline::engine {
 /// how passes are cut.
 class CellFilm {
  public:
-  /// Empties, for a part of a cell and its triangles, which must live on.
-  void Reset(const FrameScene& frame, const CellTriangles& cell);
+  /// Empties, for a part of a cell and its triangles, which must live on, as must the shader.
+  void Reset(const Shader& shader, const CellTriangles& cell);
 
   void AddPass(const Pass& pass, const PassBuffers& buffers);
 
@@ -53,7 +53,7 @@ class CellFilm {
   Pair& PairOf(int pixel, uint32_t id, uint32_t triangle, uint32_t bin);
   V3f ShadePair(const Pair& pair) const;
 
-  const FrameScene* frame_ = nullptr;
+  const Shader* shader_ = nullptr;
   const CellTriangles* cell_ = nullptr;
   bool varying_ = false;  ///< Some triangle needs a position.
   /// By what is seen: 0 is the background. Alpha is negative where it has not been shaded yet.

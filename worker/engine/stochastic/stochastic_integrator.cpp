@@ -51,7 +51,8 @@ StochasticIntegrator::StochasticIntegrator(std::shared_ptr<const FrameScene> fra
     : frame_(std::move(frame_scene)),
       pattern_(settings.seed, frame, settings.spp),
       bvh_(std::move(bvh)),
-      traits_(TraitsOf(*frame_)) {
+      shader_(frame_, settings),
+      traits_(shader_.Traits()) {
   SL_CHECK(settings.spp >= 1);
 }
 
@@ -94,7 +95,7 @@ void StochasticIntegrator::RenderCell(const TileRect& part, const TileRect& rect
   timer.Lap(stats.cull_seconds);
 
   SetUpCell(*frame_, traits_, cell.x, cell.y, w.candidates, w.cell);
-  w.film.Reset(*frame_, w.cell);
+  w.film.Reset(shader_, w.cell);
   Pass pass;
   pass.shape = ChoosePassShape(w.cell, pattern_.spp());
   pass.spp = pattern_.spp();

@@ -47,6 +47,7 @@ class StochasticIntegrator final : public TileIntegrator {
   std::shared_ptr<const FrameScene> frame_;
   StratifiedPattern pattern_;
   std::unique_ptr<const Bvh> bvh_;
+  Shader shader_;
   std::vector<PrimitiveTraits> traits_;
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Workspace>> idle_;  ///< Guarded by mutex_.

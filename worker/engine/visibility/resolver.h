@@ -8,6 +8,7 @@
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/primitive_traits.h"
 #include "worker/engine/visibility/color_film.h"
+#include "worker/engine/visibility/layers.h"
 #include "worker/engine/visibility/pair_weights.h"
 
 namespace shutterline::engine {
@@ -18,6 +19,7 @@ struct TileInput {
   std::span<const PrimitiveTraits> traits;  ///< By primitive of the frame.
   TileRect rect;                            ///< Sides at most kMaxLinePixels.
   std::span<const uint32_t> candidates;     ///< Triangles that the tile may see, each once, in any order.
+  const AlphaSource* alpha = nullptr;       ///< Of layers; null: they are alike all over.
 };
 
 /// Decides what a tile's lines see over the shutter: a tile's triangles in, weights per (triangle,

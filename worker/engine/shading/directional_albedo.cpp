@@ -1,0 +1,65 @@
+#include "worker/engine/shading/directional_albedo.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "worker/engine/shading/ggx.h"
+#include "worker/engine/shading/half_vectors.h"
+
+namespace shutterline::engine {
+namespace {
+
+constexpr int kSide = 32;
+constexpr int kSamples = 256;
+
+struct Table {
+  std::array<std::array<DirectionalAlbedo, kSide>, kSide> rows;  ///< By roughness, then by N·V.
+
+  Table() {
+    for (int r = 0; r < kSide; ++r) {
+      for (int v = 0; v < kSide; ++v) {
+        rows[size_t(r)][size_t(v)] =
+            IntegrateDirectionalAlbedo(v / double(kSide - 1), r / double(kSide - 1), kSamples);
+      }
+    }
+  }
+};
+
+DirectionalAlbedo Mix(const DirectionalAlbedo& a, const DirectionalAlbedo& b, double part) {
+  return {a.scale + part * (b.scale - a.scale), a.bias + part * (b.bias - a.bias)};
+}
+
+}  // namespace
+
+DirectionalAlbedo IntegrateDirectionalAlbedo(double n_dot_v, double roughness, int samples) {
+  n_dot_v = std::max(n_dot_v, 1e-3);
+  const double alpha = std::max(roughness * roughness, kLeastAlpha);
+  const V3d view(std::sqrt(1 - n_dot_v * n_dot_v), 0, n_dot_v);
+  DirectionalAlbedo sum{0, 0};
+  for (int i = 0; i < samples; ++i) {
+    const V3d half = HalfVector(i, samples, alpha);
+    const double v_dot_h = view.dot(half);
+    const double n_dot_l = 2 * v_dot_h * half.z - view.z;
+    if (!(n_dot_l > 0) || !(v_dot_h > 0)) continue;
+    // f · N·L over the density of L, D · N·H / (4 V·H).
+    const double weight = 4 * SmithVisibility(n_dot_v, n_dot_l, alpha) * n_dot_l * v_dot_h / half.z;
+    const double grazing = std::pow(1 - v_dot_h, 5);
+    sum.scale += weight * (1 - grazing);
+    sum.bias += weight * grazing;
+  }
+  return {sum.scale / samples, sum.bias / samples};
+}
+
+DirectionalAlbedo GgxDirectionalAlbedo(double n_dot_v, double roughness) {
+  static const Table table;
+  const double x = std::clamp(n_dot_v, 0.0, 1.0) * (kSide - 1);
+  const double y = std::clamp(roughness, 0.0, 1.0) * (kSide - 1);
+  const auto i = size_t(std::min(int(x), kSide - 2)), j = size_t(std::min(int(y), kSide - 2));
+  const double fx = x - double(i);
+  return Mix(Mix(table.rows[j][i], table.rows[j][i + 1], fx),
+             Mix(table.rows[j + 1][i], table.rows[j + 1][i + 1], fx), y - double(j));
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,20 @@
+#include "worker/engine/shading/lighting.h"
+
+#include "worker/engine/shading/studio.h"
+
+namespace shutterline::engine {
+
+Lighting MakeLighting(const FrameScene& frame, const RenderSettings& settings) {
+  LightingKind kind = settings.lighting;
+  if (kind == LightingKind::kAuto) {
+    kind = frame.lights.empty() ? LightingKind::kStudio : LightingKind::kScene;
+  }
+  Lighting lighting;
+  lighting.ambient = {settings.ambient[0], settings.ambient[1], settings.ambient[2]};
+  lighting.head_light = kind == LightingKind::kHeadlight;
+  if (kind == LightingKind::kStudio) lighting.sky = Studio();
+  if (kind == LightingKind::kScene) lighting.lights = frame.lights;
+  return lighting;
+}
+
+}  // namespace shutterline::engine

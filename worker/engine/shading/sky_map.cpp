@@ -1,0 +1,186 @@
+#include "worker/engine/shading/sky_map.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/unit_vector.h"
+#include "worker/engine/shading/ggx.h"
+#include "worker/engine/shading/half_vectors.h"
+
+namespace shutterline::engine {
+namespace {
+
+constexpr int kSamples = 256;
+/// Lobes of these are stored; between them radiance is mixed.
+constexpr double kRoughnesses[] = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0};
+
+/// Real spherical harmonics up to the second degree.
+std::array<double, 9> Harmonics(const V3d& d) {
+  return {0.28209479177387814,
+          0.4886025119029199 * d.y,
+          0.4886025119029199 * d.z,
+          0.4886025119029199 * d.x,
+          1.0925484305920792 * d.x * d.y,
+          1.0925484305920792 * d.y * d.z,
+          0.31539156525252005 * (3 * d.z * d.z - 1),
+          1.0925484305920792 * d.x * d.z,
+          0.5462742152960396 * (d.x * d.x - d.y * d.y)};
+}
+
+/// What the cosine lobe, over π, leaves of a harmonic of each degree.
+constexpr double kCosineLobe[] = {1.0, 2.0 / 3, 0.25};
+constexpr int kDegree[] = {0, 1, 1, 1, 2, 2, 2, 2, 2};
+
+double RowSolidAngle(int y, int width, int height) {
+  return 2 * M_PI / width * (std::cos(M_PI * y / height) - std::cos(M_PI * (y + 1) / height));
+}
+
+}  // namespace
+
+SkyMap::Level SkyMap::Level::OfSize(int width, double roughness) {
+  Level level;
+  level.width = width;
+  level.height = width / 2;
+  level.roughness = roughness;
+  level.texels.assign(size_t(level.width) * size_t(level.height), V3f(0));
+  return level;
+}
+
+V3d SkyMap::Level::DirectionOf(int x, int y) const {
+  const double longitude = 2 * M_PI * (x + 0.5) / width;
+  const double latitude = M_PI * (y + 0.5) / height;
+  return {std::sin(latitude) * std::sin(longitude), std::cos(latitude),
+          -std::sin(latitude) * std::cos(longitude)};
+}
+
+V3d SkyMap::Level::Sample(const V3d& direction) const {
+  double longitude = std::atan2(direction.x, -direction.z) / (2 * M_PI);
+  if (longitude < 0) longitude += 1;
+  const double x = longitude * width - 0.5;
+  const double y = std::acos(std::clamp(direction.y, -1.0, 1.0)) / M_PI * height - 0.5;
+  const double fx = x - std::floor(x), fy = y - std::floor(y);
+  const int x0 = (int(std::floor(x)) + width) % width, x1 = (x0 + 1) % width;
+  const int y0 = std::clamp(int(std::floor(y)), 0, height - 1);
+  const int y1 = std::clamp(int(std::floor(y)) + 1, 0, height - 1);
+  const V3d upper = V3d(At(x0, y0)) + fx * (V3d(At(x1, y0)) - V3d(At(x0, y0)));
+  const V3d lower = V3d(At(x0, y1)) + fx * (V3d(At(x1, y1)) - V3d(At(x0, y1)));
+  return upper + fy * (lower - upper);
+}
+
+std::shared_ptr<const SkyMap> SkyMap::Uniform(const V3d& radiance) {
+  std::shared_ptr<SkyMap> sky(new SkyMap);
+  sky->uniform_ = radiance;
+  return sky;
+}
+
+std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) {
+  std::shared_ptr<SkyMap> sky(new SkyMap);
+  Level sharp = Level::OfSize(std::max(width, 8), 0);
+  tbb::parallel_for(0, sharp.height, [&](int y) {
+    for (int x = 0; x < sharp.width; ++x) {
+      sharp.texels[size_t(y) * size_t(sharp.width) + size_t(x)] = V3f(radiance(sharp.DirectionOf(x, y)));
+    }
+  });
+  sky->ProjectToHarmonics(sharp);
+
+  std::vector<Level> sources = {sharp};
+  while (sources.back().width > 16) sources.push_back(Halved(sources.back()));
+  sky->levels_.push_back(std::move(sharp));
+  for (const double roughness : kRoughnesses) {
+    // A lobe is about 2 α wide; a few texels in it are enough.
+    const int wanted = int(16 / std::max(roughness * roughness, 0.01));
+    const int finest = sky->levels_.front().width;
+    sky->levels_.push_back(Filtered(sources, std::clamp(wanted, std::min(32, finest), std::min(256, finest)),
+                                    roughness));
+  }
+  return sky;
+}
+
+void SkyMap::ProjectToHarmonics(const Level& sharp) {
+  for (int y = 0; y < sharp.height; ++y) {
+    const double solid_angle = RowSolidAngle(y, sharp.width, sharp.height);
+    for (int x = 0; x < sharp.width; ++x) {
+      const std::array<double, 9> basis = Harmonics(sharp.DirectionOf(x, y));
+      for (size_t i = 0; i < basis.size(); ++i) {
+        harmonics_[i] += (basis[i] * solid_angle) * V3d(sharp.At(x, y));
+      }
+    }
+  }
+  for (size_t i = 0; i < harmonics_.size(); ++i) harmonics_[i] *= kCosineLobe[kDegree[i]];
+}
+
+SkyMap::Level SkyMap::Halved(const Level& fine) {
+  Level half = Level::OfSize(fine.width / 2, 0);
+  for (int y = 0; y < half.height; ++y) {
+    for (int x = 0; x < half.width; ++x) {
+      half.texels[size_t(y) * size_t(half.width) + size_t(x)] =
+          0.25f * (fine.At(2 * x, 2 * y) + fine.At(2 * x + 1, 2 * y) + fine.At(2 * x, 2 * y + 1) +
+                   fine.At(2 * x + 1, 2 * y + 1));
+    }
+  }
+  return half;
+}
+
+SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, double roughness) {
+  Level level = Level::OfSize(width, roughness);
+  const double alpha = roughness * roughness;
+  // Light directions about +z under the lobe, and the source map whose texels are as large as what a sample
+  // stands for [krivanek2008].
+  struct Sample {
+    V3d light;
+    double weight;
+    size_t source;
+  };
+  std::vector<Sample> samples;
+  double total = 0;
+  const double texel = 2 * M_PI * M_PI / (double(sources[0].width) * sources[0].height);
+  for (int i = 0; i < kSamples; ++i) {
+    const V3d half = HalfVector(i, kSamples, alpha);
+    const V3d light(2 * half.z * half.x, 2 * half.z * half.y, 2 * half.z * half.z - 1);
+    if (!(light.z > 0)) continue;
+    const double density = GgxDistribution(half.z, alpha) / 4;
+    const double lod = 0.5 * std::log2(1 / (kSamples * density) / texel) + 1;
+    const auto source = size_t(std::clamp(std::lround(lod), 0l, long(sources.size()) - 1));
+    samples.push_back({light, light.z, source});
+    total += light.z;
+  }
+  tbb::parallel_for(0, level.height, [&](int y) {
+    for (int x = 0; x < level.width; ++x) {
+      const V3d normal = level.DirectionOf(x, y);
+      const V3d tangent =
+          UnitOrZero((std::abs(normal.y) < 0.9 ? V3d(0, 1, 0) : V3d(1, 0, 0)).cross(normal));
+      const V3d bitangent = normal.cross(tangent);
+      V3d sum(0);
+      for (const Sample& s : samples) {
+        const V3d direction = s.light.x * tangent + s.light.y * bitangent + s.light.z * normal;
+        sum += s.weight * sources[s.source].Sample(direction);
+      }
+      level.texels[size_t(y) * size_t(level.width) + size_t(x)] = V3f(sum / total);
+    }
+  });
+  return level;
+}
+
+V3d SkyMap::Diffuse(const V3d& normal) const {
+  if (is_uniform()) return uniform_;
+  const std::array<double, 9> basis = Harmonics(normal);
+  V3d sum(0);
+  for (size_t i = 0; i < basis.size(); ++i) sum += basis[i] * harmonics_[i];
+  // Harmonics ring: behind a bright light they may fall below zero.
+  return {std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
+}
+
+V3d SkyMap::Glossy(const V3d& direction, double roughness) const {
+  if (is_uniform()) return uniform_;
+  size_t i = 0;
+  while (i + 2 < levels_.size() && levels_[i + 1].roughness < roughness) ++i;
+  const double part =
+      std::clamp((roughness - levels_[i].roughness) / (levels_[i + 1].roughness - levels_[i].roughness), 0.0, 1.0);
+  const V3d sharper = levels_[i].Sample(direction);
+  if (part == 0) return sharper;
+  return sharper + part * (levels_[i + 1].Sample(direction) - sharper);
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,187 @@
+#include "worker/engine/shading/surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/unit_vector.h"
+#include "worker/engine/shading/texture_sampler.h"
+#include "worker/engine/shading/texture_transform.h"
+
+namespace shutterline::engine {
+namespace {
+
+/// A point of a triangle, with what interpolation needs.
+struct Point {
+  const FrameScene& frame;
+  const FramePrimitive& primitive;
+  const FrameTriangle& triangle;
+  std::array<double, 3> weights;  ///< Barycentric, of the triangle's three corners.
+  const Footprint& footprint;
+
+  size_t Local(size_t corner) const { return triangle.vertices[corner] - primitive.first_vertex; }
+};
+
+Point PointOf(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
+              const Barycentric& at, const Footprint& footprint) {
+  return {frame, primitive, triangle, {1 - at.b1 - at.b2, at.b1, at.b2}, footprint};
+}
+
+V4d VertexColor(const Point& point) {
+  const std::vector<V4f>& colors = point.primitive.source->colors;
+  if (colors.empty()) return V4d(1);
+  if (point.primitive.uniform_colors) return V4d(colors[0]);
+  // In this form, equal colours come out exactly.
+  const V4d first(colors[point.Local(0)]);
+  return first + point.weights[1] * (V4d(colors[point.Local(1)]) - first) +
+         point.weights[2] * (V4d(colors[point.Local(2)]) - first);
+}
+
+/// Texture colour; white where the texture is not used.
+V4d TextureAt(const Point& point, const TextureRef& reference, TextureEncoding encoding) {
+  const MeshPrimitive& source = *point.primitive.source;
+  if (!IsUsed(point.frame, source, reference, encoding)) return V4d(1);
+  const std::vector<V2f>& coordinates = source.texcoords[size_t(reference.texcoord)];
+  const V2d uv0(coordinates[point.Local(0)]);
+  V2d along1 = V2d(coordinates[point.Local(1)]) - uv0;
+  V2d along2 = V2d(coordinates[point.Local(2)]) - uv0;
+  V2d uv = uv0 + point.weights[1] * along1 + point.weights[2] * along2;
+  const TextureTransform& transform = reference.transform;
+  if (!transform.IsIdentity()) {
+    uv = transform.offset + TurnedAndScaled(transform, uv);
+    along1 = TurnedAndScaled(transform, along1);
+    along2 = TurnedAndScaled(transform, along2);
+  }
+  const Footprint& f = point.footprint;
+  const Texture& texture = point.frame.scene->textures[size_t(reference.texture)];
+  return V4d(SampleTexture(*point.frame.Pyramid(texture.image, encoding), texture, uv,
+                           f.db1_dx * along1 + f.db2_dx * along2, f.db1_dy * along1 + f.db2_dy * along2));
+}
+
+V3d Rgb(const V4d& color) {
+  return {color.x, color.y, color.z};
+}
+
+/// The normal that a texture asks for, in the frame of tangent, bitangent and `normal`.
+V3d TexturedNormal(const Point& point, const Material& material, uint32_t index, const V3d& normal) {
+  const V4d texel = TextureAt(point, material.normal_texture, TextureEncoding::kLinear);
+  const V3d bent(material.normal_scale * (2 * texel.x - 1), material.normal_scale * (2 * texel.y - 1),
+                 2 * texel.z - 1);
+  const size_t first =
+      point.primitive.first_tangent + 3 * size_t(index - point.primitive.first_triangle);
+  V3d tangent(0);
+  double sign = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const V4f& t = point.frame.tangents[first + k];
+    tangent += point.weights[k] * V3d(t.x, t.y, t.z);
+    sign += point.weights[k] * double(t.w);
+  }
+  tangent = UnitOrZero(tangent - normal.dot(tangent) * normal);
+  const V3d bitangent = (sign < 0 ? -1.0 : 1.0) * normal.cross(tangent);
+  const V3d turned = UnitOrZero(bent.x * tangent + bent.y * bitangent + bent.z * normal);
+  return turned == V3d(0) ? normal : turned;
+}
+
+void PlaceInSpace(const Point& point, const Material& material, uint32_t index, Surface& surface) {
+  // Barycentric coordinates are those of the triangle in space, so positions in view space interpolate
+  // without a division by depth.
+  std::array<V3d, 3> corners;
+  V3d position(0), normal(0);
+  for (size_t k = 0; k < 3; ++k) {
+    const uint32_t vertex = point.triangle.vertices[k];
+    corners[k] = point.frame.view.ViewFromRaster(point.frame.VertexAt(point.primitive, vertex, 0.5));
+    position += point.weights[k] * corners[k];
+    if (point.primitive.has_normals) {
+      normal +=
+          point.weights[k] * V3d(point.frame.normals[point.primitive.first_normal + point.Local(k)]);
+    }
+  }
+  surface.position = position;
+  surface.to_camera = point.frame.view.perspective ? UnitOrZero(-position) : V3d(0, 0, 1);
+  V3d face = UnitOrZero(UnitOrZero(corners[1] - corners[0]).cross(UnitOrZero(corners[2] - corners[0])));
+  normal = UnitOrZero(normal);
+  if (normal == V3d(0)) normal = face;
+  if (face == V3d(0)) face = normal;
+  // Where a direction is undefined, the surface is seen head-on.
+  if (surface.to_camera == V3d(0)) surface.to_camera = face;
+  if (face == V3d(0)) face = normal = surface.to_camera;
+  if (face == V3d(0)) face = normal = surface.to_camera = V3d(0, 0, 1);
+  // Files whose normals point inwards are meant to be seen all the same.
+  if (normal.dot(face) < 0) normal = -normal;
+  if (point.primitive.has_tangents) normal = TexturedNormal(point, material, index, normal);
+  // Seen from behind, a surface is turned round with all that is on it.
+  if (face.dot(surface.to_camera) < 0) {
+    face = -face;
+    normal = -normal;
+  }
+  surface.face = face;
+  surface.normal = normal;
+}
+
+}  // namespace
+
+bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
+            TextureEncoding encoding) {
+  if (reference.texture < 0 || reference.texcoord < 0 || reference.texcoord > 1) return false;
+  const int image = frame.scene->textures[size_t(reference.texture)].image;
+  return image >= 0 && frame.Pyramid(image, encoding) != nullptr &&
+         !source.texcoords[size_t(reference.texcoord)].empty();
+}
+
+bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive) {
+  const Material& m = *primitive.material;
+  const MeshPrimitive& source = *primitive.source;
+  if (IsUsed(frame, source, m.base_color_texture, TextureEncoding::kSrgb)) return true;
+  if (m.unlit) return false;
+  return IsUsed(frame, source, m.emissive_texture, TextureEncoding::kSrgb) ||
+         IsUsed(frame, source, m.specular_color_texture, TextureEncoding::kSrgb) ||
+         IsUsed(frame, source, m.metallic_roughness_texture, TextureEncoding::kLinear) ||
+         IsUsed(frame, source, m.normal_texture, TextureEncoding::kLinear) ||
+         IsUsed(frame, source, m.occlusion_texture, TextureEncoding::kLinear) ||
+         IsUsed(frame, source, m.specular_texture, TextureEncoding::kLinear);
+}
+
+V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
+                const Barycentric& at, const Footprint& footprint) {
+  const Point point = PointOf(frame, primitive, triangle, at, footprint);
+  const Material& material = *primitive.material;
+  return V4d(material.base_color_factor) * VertexColor(point) *
+         TextureAt(point, material.base_color_texture, TextureEncoding::kSrgb);
+}
+
+Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
+                  uint32_t index, const Barycentric& at, const Footprint& footprint) {
+  const Point point = PointOf(frame, primitive, triangle, at, footprint);
+  const Material& material = *primitive.material;
+  Surface surface;
+  PlaceInSpace(point, material, index, surface);
+  surface.base_color = Rgb(BaseColorAt(frame, primitive, triangle, at, footprint));
+
+  const V4d metallic_roughness =
+      TextureAt(point, material.metallic_roughness_texture, TextureEncoding::kLinear);
+  surface.metallic = std::clamp(material.metallic_factor * metallic_roughness.z, 0.0, 1.0);
+  surface.roughness = std::clamp(material.roughness_factor * metallic_roughness.y, 0.0, 1.0);
+
+  // An index of 0 stands for infinity: everything is mirrored [KHR_materials_ior].
+  const double r = material.ior == 0 ? 1 : (double(material.ior) - 1) / (double(material.ior) + 1);
+  const double specular = material.specular_factor *
+                          TextureAt(point, material.specular_texture, TextureEncoding::kLinear).w;
+  const V3d tint = V3d(material.specular_color_factor) *
+                   Rgb(TextureAt(point, material.specular_color_texture, TextureEncoding::kSrgb));
+  for (int c = 0; c < 3; ++c) {
+    const double dielectric = std::min(r * r * tint[c], 1.0) * specular;
+    surface.f0[c] = dielectric + surface.metallic * (surface.base_color[c] - dielectric);
+  }
+  surface.f90 = specular + surface.metallic * (1 - specular);
+
+  if (material.occlusion_texture.texture >= 0) {
+    const double open = TextureAt(point, material.occlusion_texture, TextureEncoding::kLinear).x;
+    surface.occlusion = 1 + material.occlusion_strength * (open - 1);
+  }
+  if (material.emissive_factor != V3f(0)) {
+    surface.emission = V3d(material.emissive_factor) *
+                       Rgb(TextureAt(point, material.emissive_texture, TextureEncoding::kSrgb));
+  }
+  return surface;
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+
+#include "common/math/spaces.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/shading/footprint.h"
+
+namespace shutterline::engine {
+
+/// What a material is at a point of a triangle, in view space at mid-shutter.
+struct Surface {
+  V3d position{0, 0, 0};
+  V3d to_camera{0, 0, 1};  ///< Unit.
+  V3d face{0, 0, 1};       ///< Unit normal of the triangle, on the camera's side.
+  V3d normal{0, 0, 1};     ///< Unit, with interpolation and normal texture; on the camera's side of the face.
+  V3d base_color{1, 1, 1};
+  double metallic = 0, roughness = 1;
+  V3d f0{0.04, 0.04, 0.04};  ///< Reflectance head-on, of metal and dielectric together.
+  double f90 = 1;
+  double occlusion = 1;  ///< Of light from everywhere.
+  V3d emission{0, 0, 0};
+};
+
+/// Base colour: factor × vertex colour × texture, with the alpha that they multiply to. All that an unlit
+/// material shows.
+V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
+                const Barycentric& at, const Footprint& footprint);
+
+/// Everything. Not for unlit materials.
+Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
+                  uint32_t index, const Barycentric& at, const Footprint& footprint);
+
+/// Whether the frame has the texture, in this encoding, and the mesh the coordinates for it.
+bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
+            TextureEncoding encoding);
+
+/// Whether any of the material's textures is.
+bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive);
+
+}  // namespace shutterline::engine
