@@ -7,6 +7,9 @@ if(SHUTTERLINE_PRECOMPILE AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND C
   add_compile_options(-fpch-preprocess)
 endif()
 
+# Some libraries ask for it, and all sources of a group must agree.
+add_compile_options(-pthread)
+
 # precompile(name HEADERS ... LIBS ...): a group of sources that share a precompiled header. LIBS must not define
 # macros that some of the group's sources do without.
 function(precompile name)
@@ -17,7 +20,7 @@ function(precompile name)
   set(source "${PROJECT_BINARY_DIR}/generated/precompiled_${name}.cpp")
   file(CONFIGURE OUTPUT "${source}" CONTENT "// Holds the precompiled header of a group of sources.\n")
   add_library(precompiled_${name} OBJECT "${source}")
-  target_link_libraries(precompiled_${name} PRIVATE ${G_LIBS} Threads::Threads shutterline_warnings)
+  target_link_libraries(precompiled_${name} PRIVATE ${G_LIBS} shutterline_warnings)
   target_precompile_headers(precompiled_${name} PRIVATE ${G_HEADERS})
 endfunction()
 
@@ -59,6 +62,5 @@ function(use_precompiled target)
   endif()
   if(TARGET precompiled_${group})
     target_precompile_headers(${target} REUSE_FROM precompiled_${group})
-    target_link_libraries(${target} PRIVATE Threads::Threads)
   endif()
 endfunction()

@@ -10,6 +10,7 @@
 #include "common/job/render_settings.h"
 #include "worker/engine/accel/bvh.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/shading/shade.h"
 #include "worker/engine/stochastic/cell_setup.h"
 #include "worker/engine/stochastic/sample_keys.h"
 
