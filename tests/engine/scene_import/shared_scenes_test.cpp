@@ -6,6 +6,7 @@
 #include "tests/support/shared_scenes.h"
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
+#include "worker/engine/scene/tangent_space.h"
 
 // Real files that others made, held against the counts that their collection lists.
 namespace shutterline::engine {
@@ -99,6 +100,35 @@ TEST(SharedScenes, ExternalFilesAreListedDecodedAndOnce) {
   const auto files = ListExternalFiles(**source);
   ASSERT_TRUE(files.ok()) << files.status();
   EXPECT_EQ(*files, (std::vector<std::string>{"interpolation.bin", "l.jpg"}));
+}
+
+TEST(SharedScenes, TangentsAgreeWithThoseThatFilesCarry) {
+  const auto folder = FindSharedScenes();
+  if (!folder.has_value()) GTEST_SKIP();
+  // Files store tangents by vertex, so that corners of mirrored and of degenerate triangles may be others'.
+  for (const char* file :
+       {"AlphaBlendModeTest/AlphaBlendModeTest.glb", "VintageDeskFan/VintageDeskFan.glb"}) {
+    auto source = DirectoryAssetSource::Open(*folder + "/" + file);
+    ASSERT_TRUE(source.ok()) << source.status();
+    const auto scene = ImportGltf(**source);
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    size_t corners = 0, agreeing = 0;
+    for (const Mesh& mesh : (*scene)->meshes) {
+      for (const MeshPrimitive& primitive : mesh.primitives) {
+        if (primitive.tangents.empty()) continue;
+        const Material& material = (*scene)->materials[size_t(primitive.material)];
+        const std::vector<V4f> made = MakeTangents(primitive, material.normal_texture.texcoord);
+        corners += made.size();
+        for (size_t i = 0; i < made.size(); ++i) {
+          const V4f& a = made[i];
+          const V4f& b = primitive.tangents[i];
+          agreeing += a.x * b.x + a.y * b.y + a.z * b.z > 0.99f && a.w == b.w;
+        }
+      }
+    }
+    EXPECT_GT(corners, 80u) << file;
+    EXPECT_GT(double(agreeing), 0.95 * double(corners)) << file;
+  }
 }
 
 }  // namespace
