@@ -119,14 +119,15 @@ CLI::Option* AddLinesOption(CLI::App& app, RenderSettings& s) {
 
 void AddLightOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* lighting = AddValue(
-      app, "--lighting", "auto|scene|studio|headlight", "auto",
-      "auto: the scene's own lights, or a studio where it has\nnone; headlight: one at the camera",
-      [&](const std::string& t) {
-        return StoreWord(ParseLighting(t), s.lighting, "auto, scene, studio or headlight");
-      });
-  auto* ambient = AddValue(app, "--ambient", "R,G,B", "0,0,0", "Radiance that comes from everywhere, linear",
-                           [&](const std::string& t) { return Store(ParseColor(t, kMaxAmbient), s.ambient); });
+  auto* lighting =
+      AddValue(app, "--lighting", "auto|scene|studio|headlight", "auto",
+               "auto: the scene's own lights, or a studio where it has\nnone; headlight: one at the camera",
+               [&](const std::string& t) {
+                 return StoreWord(ParseLighting(t), s.lighting, "auto, scene, studio or headlight");
+               });
+  auto* ambient =
+      AddValue(app, "--ambient", "R,G,B", "0,0,0", "Radiance that comes from everywhere, linear",
+               [&](const std::string& t) { return Store(ParseColor(t, kMaxAmbient), s.ambient); });
   for (CLI::Option* option : {lighting, ambient}) option->group("Light");
 }
 

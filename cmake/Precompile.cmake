@@ -62,5 +62,8 @@ function(use_precompiled target)
   endif()
   if(TARGET precompiled_${group})
     target_precompile_headers(${target} REUSE_FROM precompiled_${group})
+    if(group MATCHES "test")
+      target_compile_definitions(${target} PRIVATE GTEST_HAS_PTHREAD=1)  # As who links GoogleTest has it.
+    endif()
   endif()
 endfunction()

@@ -39,8 +39,8 @@ TEST(Parse, Color) {
   const auto color = ParseColor("0.5,0,12", 12);
   ASSERT_TRUE(color.ok());
   EXPECT_EQ(*color, (std::array<double, 3>{0.5, 0, 12}));
-  for (const char* text : {"", "1", "1,1", "1,1,1,1", "1,1,", ",1,1", "1, 1,1", "-1,0,0", "0,0,13", "nan,0,0",
-                           "1;1;1", "red"}) {
+  for (const char* text :
+       {"", "1", "1,1", "1,1,1,1", "1,1,", ",1,1", "1, 1,1", "-1,0,0", "0,0,13", "nan,0,0", "1;1;1", "red"}) {
     EXPECT_FALSE(ParseColor(text, 12).ok()) << text;
   }
 }

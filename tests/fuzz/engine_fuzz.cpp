@@ -18,8 +18,8 @@
 // going.
 namespace {
 
-/// Of processor time, for a machine may be busy. No seed takes a tenth of that; what takes so long does not come
-/// to an end.
+/// Of processor time, for a machine may be busy. No seed takes a tenth of that; what takes so long does not
+/// come to an end.
 constexpr time_t kHangSeconds = 120;
 
 void SetTimer(time_t seconds) {

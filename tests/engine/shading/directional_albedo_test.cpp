@@ -19,9 +19,11 @@ double AlbedoByLightDirections(double n_dot_v, double alpha) {
     const double polar = M_PI / 2 * (i + 0.5) / kPolar;
     for (int j = 0; j < kAround; ++j) {
       const double around = M_PI * (j + 0.5) / kAround;  // Symmetric: half the circle.
-      const V3d light(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
+      const V3d light(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
+                      std::cos(polar));
       const V3d half = (view + light).normalized();
-      sum += GgxDistribution(half.z, alpha) * SmithVisibility(n_dot_v, light.z, alpha) * light.z * std::sin(polar);
+      sum += GgxDistribution(half.z, alpha) * SmithVisibility(n_dot_v, light.z, alpha) * light.z *
+             std::sin(polar);
     }
   }
   return sum * (M_PI / 2 / kPolar) * (2 * M_PI / kAround);

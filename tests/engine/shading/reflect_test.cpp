@@ -101,7 +101,8 @@ TEST(Reflect, ManySunsMakeASky) {
     const double z = (i + 0.5) / kPolar, sine = std::sqrt(1 - z * z);
     for (int j = 0; j < kAround; ++j) {
       const double around = 2 * M_PI * (j + 0.5) / kAround;
-      suns.push_back(Sun(V3d(sine * std::cos(around), sine * std::sin(around), z), 2 * M_PI / (kPolar * kAround)));
+      suns.push_back(
+          Sun(V3d(sine * std::cos(around), sine * std::sin(around), z), 2 * M_PI / (kPolar * kAround)));
     }
   }
   for (const double metallic : {0.0, 1.0}) {

@@ -147,14 +147,15 @@ TEST(Shade, TexturesLieTheRightWayUp) {
   ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.8}, {}), V3d(0, 1, 0));   // Near (1, 1): top right.
   ExpectColor(HeadLit(frame).Shade(1, {0.1, 0.85}, {}), V3d(1, 0, 0));  // Near (-1, 1): top left.
   // A pixel as large as the triangle sees the mean of all.
-  ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.1}, {.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1}), V3d(0.5),
-              1e-4);
+  ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.1}, {.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1}),
+              V3d(0.5), 1e-4);
 }
 
 TEST(Shade, MaterialsWhoseMeshHasNoCoordinatesIgnoreTheTexture) {
   QuadScene s;
   s.material().unlit = true;
-  s.material().base_color_texture = {s.AddTexture(1, 1, {0, 0, 0, 255}), 1};
+  s.material().base_color_texture.texture = s.AddTexture(1, 1, {0, 0, 0, 255});
+  s.material().base_color_texture.texcoord = 1;
   const auto frame = s.Build();
   EXPECT_TRUE(HeadLit(frame).IsConstant(frame->primitives[0]));
   EXPECT_EQ(HeadLit(frame).Shade(0, {0.1, 0.1}, {}), V3f(1));
@@ -270,7 +271,8 @@ TEST(Shade, NormalTexturesTurnTheNormal) {
     const V3d bent = V3d(2 * 204 / 255.0 - 1, 2 * 128 / 255.0 - 1, 2 * 230 / 255.0 - 1).normalized();
     AddSun(s, 0.9);  // It comes from +x.
     const double cosine = blue_to_u * bent.x * std::sin(0.9) + bent.z * std::cos(0.9);
-    ExpectColor(Lit(s.Build(), LightingKind::kScene).Shade(0, {0.2, 0.3}, {}), V3d(std::max(cosine, 0.0)), 1e-5);
+    ExpectColor(Lit(s.Build(), LightingKind::kScene).Shade(0, {0.2, 0.3}, {}), V3d(std::max(cosine, 0.0)),
+                1e-5);
   }
 }
 

@@ -25,8 +25,8 @@ TEST(SkyMap, AnEvenSkyIsEvenExactly) {
   }
 }
 
-/// Of radiance 2 + y, a matte surface sees 2 + 2/3 of its normal's y; a lobe around d sees 2 + c d.y, where c is
-/// the lobe's mean cosine, one for a mirror.
+/// Of radiance 2 + y, a matte surface sees 2 + 2/3 of its normal's y; a lobe around d sees 2 + c d.y, where c
+/// is the lobe's mean cosine, one for a mirror.
 TEST(SkyMap, ASkyThatBrightensUpwards) {
   const auto sky = SkyMap::Make([](const V3d& d) { return V3d(2 + d.y, 1, 2 + d.x); }, 256);
   for (uint32_t seed = 1; seed <= 64; ++seed) {

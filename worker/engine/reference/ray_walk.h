@@ -12,11 +12,11 @@
 namespace shutterline::engine {
 
 /// Traces a packet's rays through layers down to what is opaque, and adds what they see, premultiplied, to
-/// `sums`: red, green, blue and coverage. `wanted`: the lanes that count; `times`: shutter time by lane. A layer
-/// exactly where another surface is hides it.
+/// `sums`: red, green, blue and coverage. `wanted`: the lanes that count; `times`: shutter time by lane. A
+/// layer exactly where another surface is hides it.
 template <int kWidth>
-void WalkRays(const HitShader& shader, RTCScene scene, const int* wanted, const std::array<double, kWidth>& times,
-              typename EmbreePacket<kWidth>::RayHit& packet,
+void WalkRays(const HitShader& shader, RTCScene scene, const int* wanted,
+              const std::array<double, kWidth>& times, typename EmbreePacket<kWidth>::RayHit& packet,
               std::array<std::array<double, 4>, kWidth>& sums) {
   constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
   /// What less light than this passes is opaque.

@@ -3,8 +3,8 @@
 namespace shutterline::engine {
 
 /// What a GGX surface reflects of light that comes from everywhere alike, towards a viewer: with Schlick's
-/// reflectance f0 · scale + f90 · bias [karis2013]. With f0 = f90 = 1 less than 1 is left, scale + bias, as one
-/// reflection is counted; what is lost is what later ones between facets would bring back [kulla2017].
+/// reflectance f0 · scale + f90 · bias [karis2013]. With f0 = f90 = 1 less than 1 is left, scale + bias, as
+/// one reflection is counted; what is lost is what later ones between facets would bring back [kulla2017].
 struct DirectionalAlbedo {
   double scale = 1, bias = 0;
 };

@@ -54,8 +54,8 @@ V3d FromSky(const FrameView& view, const Lighting& lighting, const Surface& surf
     const V3d lobe = UnitOrZero(reflected + alpha * (n - reflected));
     mirrored += lighting.sky->Glossy(view.WorldFromView(lobe == V3d(0) ? n : lobe), surface.roughness);
   }
-  return surface.occlusion *
-         (Times(shares.once, mirrored) + Times(shares.repeatedly, scattered) + Times(shares.matte, scattered));
+  return surface.occlusion * (Times(shares.once, mirrored) + Times(shares.repeatedly, scattered) +
+                              Times(shares.matte, scattered));
 }
 
 V3d FromLight(const Incidence& incidence, const Surface& surface, const Shares& shares, double n_dot_v) {

@@ -20,8 +20,8 @@ V3f Shader::Shade(uint32_t triangle, const Barycentric& at, const Footprint& foo
     return V3f(V3d(color.x, color.y, color.z));
   }
   const Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
-  const V3d reflected = lighting_.head_light ? ReflectHeadLight(surface)
-                                             : Reflect(frame_->view, lighting_, surface);
+  const V3d reflected =
+      lighting_.head_light ? ReflectHeadLight(surface) : Reflect(frame_->view, lighting_, surface);
   return V3f(reflected + surface.emission);
 }
 
@@ -61,8 +61,9 @@ void Shader::MakeLayer(const FramePrimitive& primitive, PrimitiveTraits& traits)
   if (cut && !(material.alpha_cutoff > 0)) return;
   traits.alpha_cutoff = cut ? material.alpha_cutoff : 0;
   const std::vector<V4f>& colors = primitive.source->colors;
-  const bool varies = IsUsed(*frame_, *primitive.source, material.base_color_texture, TextureEncoding::kSrgb) ||
-                      std::any_of(colors.begin(), colors.end(), [&](const V4f& c) { return c.w != colors[0].w; });
+  const bool varies =
+      IsUsed(*frame_, *primitive.source, material.base_color_texture, TextureEncoding::kSrgb) ||
+      std::any_of(colors.begin(), colors.end(), [&](const V4f& c) { return c.w != colors[0].w; });
   if (varies) {
     traits.layer = true;
     traits.layer_alpha = -1;

@@ -14,8 +14,8 @@
 namespace shutterline::engine {
 
 /// Shades the surfaces of a frame under the lights that the settings ask for. Immutable, so any number of
-/// threads may use one; what it returns is a function of the frame, the settings and the arguments alone, so it
-/// does not matter who evaluates it, or when.
+/// threads may use one; what it returns is a function of the frame, the settings and the arguments alone, so
+/// it does not matter who evaluates it, or when.
 class Shader {
  public:
   Shader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings);

@@ -92,8 +92,8 @@ std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) 
     // A lobe is about 2 α wide; a few texels in it are enough.
     const int wanted = int(16 / std::max(roughness * roughness, 0.01));
     const int finest = sky->levels_.front().width;
-    sky->levels_.push_back(Filtered(sources, std::clamp(wanted, std::min(32, finest), std::min(256, finest)),
-                                    roughness));
+    sky->levels_.push_back(
+        Filtered(sources, std::clamp(wanted, std::min(32, finest), std::min(256, finest)), roughness));
   }
   return sky;
 }
@@ -149,8 +149,7 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
   tbb::parallel_for(0, level.height, [&](int y) {
     for (int x = 0; x < level.width; ++x) {
       const V3d normal = level.DirectionOf(x, y);
-      const V3d tangent =
-          UnitOrZero((std::abs(normal.y) < 0.9 ? V3d(0, 1, 0) : V3d(1, 0, 0)).cross(normal));
+      const V3d tangent = UnitOrZero((std::abs(normal.y) < 0.9 ? V3d(0, 1, 0) : V3d(1, 0, 0)).cross(normal));
       const V3d bitangent = normal.cross(tangent);
       V3d sum(0);
       for (const Sample& s : samples) {
@@ -176,8 +175,8 @@ V3d SkyMap::Glossy(const V3d& direction, double roughness) const {
   if (is_uniform()) return uniform_;
   size_t i = 0;
   while (i + 2 < levels_.size() && levels_[i + 1].roughness < roughness) ++i;
-  const double part =
-      std::clamp((roughness - levels_[i].roughness) / (levels_[i + 1].roughness - levels_[i].roughness), 0.0, 1.0);
+  const double part = std::clamp(
+      (roughness - levels_[i].roughness) / (levels_[i + 1].roughness - levels_[i].roughness), 0.0, 1.0);
   const V3d sharper = levels_[i].Sample(direction);
   if (part == 0) return sharper;
   return sharper + part * (levels_[i + 1].Sample(direction) - sharper);

@@ -10,8 +10,8 @@ namespace {
 
 /// A rectangle of light, seen from the middle of the room, with soft borders.
 struct SoftBox {
-  V3d towards;                    ///< Its middle; need not be of unit length.
-  double half_width, half_height; ///< Tangents of the angles that it spans.
+  V3d towards;                     ///< Its middle; need not be of unit length.
+  double half_width, half_height;  ///< Tangents of the angles that it spans.
   V3d radiance;
 };
 

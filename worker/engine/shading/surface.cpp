@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/unit_vector.h"
+#include "worker/engine/scene/material_textures.h"
 #include "worker/engine/shading/texture_sampler.h"
 #include "worker/engine/shading/texture_transform.h"
 
@@ -66,8 +67,7 @@ V3d TexturedNormal(const Point& point, const Material& material, uint32_t index,
   const V4d texel = TextureAt(point, material.normal_texture, TextureEncoding::kLinear);
   const V3d bent(material.normal_scale * (2 * texel.x - 1), material.normal_scale * (2 * texel.y - 1),
                  2 * texel.z - 1);
-  const size_t first =
-      point.primitive.first_tangent + 3 * size_t(index - point.primitive.first_triangle);
+  const size_t first = point.primitive.first_tangent + 3 * size_t(index - point.primitive.first_triangle);
   V3d tangent(0);
   double sign = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -91,8 +91,7 @@ void PlaceInSpace(const Point& point, const Material& material, uint32_t index, 
     corners[k] = point.frame.view.ViewFromRaster(point.frame.VertexAt(point.primitive, vertex, 0.5));
     position += point.weights[k] * corners[k];
     if (point.primitive.has_normals) {
-      normal +=
-          point.weights[k] * V3d(point.frame.normals[point.primitive.first_normal + point.Local(k)]);
+      normal += point.weights[k] * V3d(point.frame.normals[point.primitive.first_normal + point.Local(k)]);
     }
   }
   surface.position = position;
@@ -128,16 +127,10 @@ bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureR
 }
 
 bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive) {
-  const Material& m = *primitive.material;
-  const MeshPrimitive& source = *primitive.source;
-  if (IsUsed(frame, source, m.base_color_texture, TextureEncoding::kSrgb)) return true;
-  if (m.unlit) return false;
-  return IsUsed(frame, source, m.emissive_texture, TextureEncoding::kSrgb) ||
-         IsUsed(frame, source, m.specular_color_texture, TextureEncoding::kSrgb) ||
-         IsUsed(frame, source, m.metallic_roughness_texture, TextureEncoding::kLinear) ||
-         IsUsed(frame, source, m.normal_texture, TextureEncoding::kLinear) ||
-         IsUsed(frame, source, m.occlusion_texture, TextureEncoding::kLinear) ||
-         IsUsed(frame, source, m.specular_texture, TextureEncoding::kLinear);
+  const std::vector<MaterialTexture> textures = TexturesOf(*primitive.material);
+  return std::any_of(textures.begin(), textures.end(), [&](const MaterialTexture& texture) {
+    return IsUsed(frame, *primitive.source, *texture.reference, texture.encoding);
+  });
 }
 
 V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
@@ -163,8 +156,8 @@ Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, cons
 
   // An index of 0 stands for infinity: everything is mirrored [KHR_materials_ior].
   const double r = material.ior == 0 ? 1 : (double(material.ior) - 1) / (double(material.ior) + 1);
-  const double specular = material.specular_factor *
-                          TextureAt(point, material.specular_texture, TextureEncoding::kLinear).w;
+  const double specular =
+      material.specular_factor * TextureAt(point, material.specular_texture, TextureEncoding::kLinear).w;
   const V3d tint = V3d(material.specular_color_factor) *
                    Rgb(TextureAt(point, material.specular_color_texture, TextureEncoding::kSrgb));
   for (int c = 0; c < 3; ++c) {

@@ -74,7 +74,8 @@ V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, con
   }
   if (!std::isfinite(along_x) || !std::isfinite(along_y)) return Trilinear(pyramid, texture, uv, longest);
   // The footprint is a parallelogram: so long, and across that side so wide.
-  const double area = std::abs(duv_dx.x * duv_dy.y - duv_dx.y * duv_dy.x) * pyramid.Width(0) * pyramid.Height(0);
+  const double area =
+      std::abs(duv_dx.x * duv_dy.y - duv_dx.y * duv_dy.x) * pyramid.Width(0) * pyramid.Height(0);
   const double width = std::max(area / longest, 1.0);
   const double ratio = std::ceil(longest / width - 1e-6);
   const int probes = ratio < kMostProbes ? std::max(int(ratio), 1) : kMostProbes;

@@ -42,7 +42,8 @@ void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::spa
   } else {
     for (const double t : instants) ResolveInstant(strata, lines, t);
   }
-  for (size_t g = 0; g < group_count_; ++g) groups_[g].End({.still = &still_, .still_layers = &still_layers_}, weights);
+  for (size_t g = 0; g < group_count_; ++g)
+    groups_[g].End({.still = &still_, .still_layers = &still_layers_}, weights);
 }
 
 GroupResolver::Plan ClassResolver::MakePlan(const TileStrata& strata, const LineClass& lines) {

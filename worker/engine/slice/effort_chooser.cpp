@@ -61,9 +61,8 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSo
   if (strata.moves() && pilot >= most) return {&pattern_, most};
 
   const LinePattern& single = LinePattern::Get(PatternKind::k1h1v);
-  const EffortPilot::Findings found =
-      work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()), pilot, work.colors, film,
-                     alpha, stats);
+  const EffortPilot::Findings found = work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()),
+                                                     pilot, work.colors, film, alpha, stats);
   const double samples =
       double(found.samples) * std::pow(kTimeShare * found.time_difference / target_error_, 1 / kTimeSlope);
   const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;

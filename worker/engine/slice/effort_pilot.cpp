@@ -28,12 +28,12 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   for (size_t f = 0; f < 2; ++f) {
     const double offset = f == 0 ? 0.25 : 0.75;
     for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
-      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, alpha, stats,
-                 parts_[f][half]);
+      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, alpha, stats, parts_[f][half]);
     }
   }
 
-  const double weight = double(instants) * double(kSubpixelsPerPixel * strata.mesh().weight_unit());  // Of a family, or of a half.
+  const double weight = double(instants) * double(kSubpixelsPerPixel *
+                                                  strata.mesh().weight_unit());  // Of a family, or of a half.
   double time_sum = 0, space_sum = 0;
   int64_t changing = 0;
   for (size_t i = 0; i < parts_[0][0].size(); ++i) {

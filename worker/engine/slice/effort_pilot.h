@@ -38,7 +38,8 @@ class EffortPilot {
   using Sums = std::vector<std::array<double, 4>>;
 
   void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
-                  TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats, Sums& sums);
+                  TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats,
+                  Sums& sums);
 
   ClassResolver resolver_;
   PairWeights no_pairs_;

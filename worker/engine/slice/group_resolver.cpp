@@ -198,8 +198,12 @@ void GroupResolver::Compact(int stretch) {
 LayerCompositor::Span GroupResolver::SpanOf(const SegmentLists& lists, int lane, int32_t entry, int32_t begin,
                                             int32_t end, const Placers& placers) {
   const size_t at = size_t(entry) * kLanes + size_t(lane);
-  LayerCompositor::Span span{.begin = begin, .end = end, .depth = 0, .slope = lists.slope[at],
-                             .index = lists.index[at], .position = {}};
+  LayerCompositor::Span span{.begin = begin,
+                             .end = end,
+                             .depth = 0,
+                             .slope = lists.slope[at],
+                             .index = lists.index[at],
+                             .position = {}};
   span.depth = lists.depth[at] + span.slope * float(begin - lists.begin[at]);
   const TileMeshTriangle& triangle = mesh_->triangles()[span.index];
   if (triangle.needs_position) {

@@ -13,7 +13,8 @@ namespace shutterline::engine {
 
 /// Puts layers, surfaces that let light through, over what is visible behind them on one line at one instant:
 /// front to back, with the transmittance that is left kept per span. Spans are cut where a layer or a piece
-/// begins or ends, at the borders of pixels, and where two surfaces cross, so their order is right everywhere.
+/// begins or ends, at the borders of pixels, and where two surfaces cross, so their order is right
+/// everywhere.
 ///
 /// Transmittance is counted in integers of kLayerUnit: what the layers and the piece behind them get adds up
 /// exactly, and `k` layers of alpha ½ leave 2^-k of it.
@@ -37,8 +38,8 @@ class LayerCompositor {
 
   /// One line at shutter time t, for `instants` instants: `layers` in any order, over `opaque`, which is in
   /// ascending order without overlap. Goes to the lane of `sums` that has been begun.
-  void Composite(std::span<const Span> layers, std::span<const Span> opaque, double t, int64_t instants, int lane,
-                 TileColors& colors, LineSums& sums);
+  void Composite(std::span<const Span> layers, std::span<const Span> opaque, double t, int64_t instants,
+                 int lane, TileColors& colors, LineSums& sums);
 
  private:
   void CompositeBetween(int32_t begin, int32_t end, const Span* behind);
@@ -59,10 +60,10 @@ class LayerCompositor {
   double t_ = 0;
   int64_t instants_ = 1;
   int lane_ = 0;
-  std::vector<Span> layers_;           // By begin.
-  std::vector<const Span*> over_;      // Those that overlap what is being composited.
+  std::vector<Span> layers_;       // By begin.
+  std::vector<const Span*> over_;  // Those that overlap what is being composited.
   std::vector<int32_t> cuts_;
-  std::vector<const Span*> order_;     // Nearest first.
+  std::vector<const Span*> order_;  // Nearest first.
 };
 
 }  // namespace shutterline::engine

@@ -35,7 +35,8 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
       for (int64_t i = 0; i < effort.instants; ++i) {
         work->instants.push_back(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset));
       }
-      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha, weights, stats);
+      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha, weights,
+                                   stats);
     }
   }
   const std::lock_guard lock(mutex_);
