@@ -146,8 +146,8 @@ TEST(Shade, TexturesLieTheRightWayUp) {
   ExpectColor(HeadLit(frame).Shade(0, {0.8, 0.1}, {}), V3d(1, 1, 1));   // Near (1, -1): bottom right.
   ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.8}, {}), V3d(0, 1, 0));   // Near (1, 1): top right.
   ExpectColor(HeadLit(frame).Shade(1, {0.1, 0.85}, {}), V3d(1, 0, 0));  // Near (-1, 1): top left.
-  // A pixel as large as the triangle sees the mean of all.
-  ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.1}, {.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1}),
+  // A pixel larger than the quad sees the mean of all.
+  ExpectColor(HeadLit(frame).Shade(0, {0.1, 0.1}, {.db1_dx = 2, .db1_dy = 0, .db2_dx = 0, .db2_dy = 2}),
               V3d(0.5), 1e-4);
 }
 

@@ -71,15 +71,15 @@ TEST(SkyMap, FilteringKeepsWhatComesFromEverywhere) {
     const V3d d = RandomDirection(random);
     for (int k = 0; k < 3; ++k) means[k] += sky->Glossy(d, roughnesses[k]).x / kDirections;
   }
-  EXPECT_NEAR(means[1] / means[0], 1, 0.02);
-  EXPECT_NEAR(means[2] / means[0], 1, 0.02);
+  EXPECT_NEAR(means[1] / means[0], 1, 0.03);
+  EXPECT_NEAR(means[2] / means[0], 1, 0.03);
 }
 
 TEST(Studio, WhiteMatteSurfacesAreNeitherBlackNorBurntOut) {
   std::mt19937 random(7);
   for (int i = 0; i < 1000; ++i) {
     const double light = Studio()->Diffuse(RandomDirection(random)).y;
-    EXPECT_GT(light, 0.1);
+    EXPECT_GT(light, 0.05);
     EXPECT_LT(light, 1.3);
   }
 }

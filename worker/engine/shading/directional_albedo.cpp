@@ -37,14 +37,18 @@ DirectionalAlbedo IntegrateDirectionalAlbedo(double n_dot_v, double roughness, i
   n_dot_v = std::max(n_dot_v, 1e-3);
   const double alpha = std::max(roughness * roughness, kLeastAlpha);
   const V3d view(std::sqrt(1 - n_dot_v * n_dot_v), 0, n_dot_v);
+  // Smith's Λ for a direction of this cosine.
+  const auto lambda = [&](double cosine) {
+    return 0.5 * (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1);
+  };
   DirectionalAlbedo sum{0, 0};
   for (int i = 0; i < samples; ++i) {
-    const V3d half = HalfVector(i, samples, alpha);
+    const V3d half = VisibleHalfVector(HammersleyPoint(i, samples), alpha, view);
     const double v_dot_h = view.dot(half);
     const double n_dot_l = 2 * v_dot_h * half.z - view.z;
     if (!(n_dot_l > 0) || !(v_dot_h > 0)) continue;
-    // f · N·L over the density of L, D · N·H / (4 V·H).
-    const double weight = 4 * SmithVisibility(n_dot_v, n_dot_l, alpha) * n_dot_l * v_dot_h / half.z;
+    // Of the facets that are seen, those that the light sees too.
+    const double weight = (1 + lambda(n_dot_v)) / (1 + lambda(n_dot_v) + lambda(n_dot_l));
     const double grazing = std::pow(1 - v_dot_h, 5);
     sum.scale += weight * (1 - grazing);
     sum.bias += weight * grazing;

@@ -12,7 +12,7 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr int kSamples = 256;
+constexpr int kSamples = 128;
 /// Lobes of these are stored; between them radiance is mixed.
 constexpr double kRoughnesses[] = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0};
 
@@ -89,16 +89,17 @@ std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) 
   while (sources.back().width > 16) sources.push_back(Halved(sources.back()));
   sky->levels_.push_back(std::move(sharp));
   for (const double roughness : kRoughnesses) {
-    // A lobe is about 2 α wide; a few texels in it are enough.
-    const int wanted = int(16 / std::max(roughness * roughness, 0.01));
+    // Some texels across a lobe, which is about 2 α wide.
+    const int across = 4 * int(1 / (roughness * roughness));
     const int finest = sky->levels_.front().width;
     sky->levels_.push_back(
-        Filtered(sources, std::clamp(wanted, std::min(32, finest), std::min(256, finest)), roughness));
+        Filtered(sources, std::clamp(across, std::min(32, finest), std::min(128, finest)), roughness));
   }
   return sky;
 }
 
 void SkyMap::ProjectToHarmonics(const Level& sharp) {
+  harmonics_.fill(V3d(0));
   for (int y = 0; y < sharp.height; ++y) {
     const double solid_angle = RowSolidAngle(y, sharp.width, sharp.height);
     for (int x = 0; x < sharp.width; ++x) {
@@ -137,7 +138,7 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
   double total = 0;
   const double texel = 2 * M_PI * M_PI / (double(sources[0].width) * sources[0].height);
   for (int i = 0; i < kSamples; ++i) {
-    const V3d half = HalfVector(i, kSamples, alpha);
+    const V3d half = VisibleHalfVector(HammersleyPoint(i, kSamples), alpha, V3d(0, 0, 1));
     const V3d light(2 * half.z * half.x, 2 * half.z * half.y, 2 * half.z * half.z - 1);
     if (!(light.z > 0)) continue;
     const double density = GgxDistribution(half.z, alpha) / 4;

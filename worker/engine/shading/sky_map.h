@@ -51,7 +51,7 @@ class SkyMap {
   static Level Filtered(const std::vector<Level>& sources, int width, double roughness);
 
   V3d uniform_{0, 0, 0};
-  std::array<V3d, 9> harmonics_{};
+  std::array<V3d, 9> harmonics_;
   std::vector<Level> levels_;  ///< By roughness, the first is 0, the last 1.
 };
 

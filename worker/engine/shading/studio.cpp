@@ -47,7 +47,8 @@ V3d StudioRadiance(const V3d& direction) {
   const double floor = SmoothStep(0.0, -0.6, direction.y);
   V3d sum = V3d(0.32, 0.33, 0.35) + up * V3d(0.5, 0.52, 0.56) - floor * V3d(0.2, 0.2, 0.21);
   for (const SoftBox& box : kBoxes) sum += ShareOf(box, direction) * box.radiance;
-  return sum;
+  constexpr double kExposure = 0.55;
+  return kExposure * sum;
 }
 
 std::shared_ptr<const SkyMap> Studio() {

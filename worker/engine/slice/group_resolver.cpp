@@ -57,8 +57,8 @@ void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const Li
   compositor_.Begin(mesh, alpha);
   for (int k = 0; k < stretches_; ++k) {
     SegmentLists& layers = layers_[size_t(k)];
-    layers.stretch_begin = k << shift_;
-    layers.stretch_end = (k + 1) << shift_;
+    layers.stretch_begin = static_layers_[size_t(k)].stretch_begin = k << shift_;
+    layers.stretch_end = static_layers_[size_t(k)].stretch_end = (k + 1) << shift_;
     layers.compact_at = kNever;
     layers.Clear();
     static_layers_[size_t(k)].Clear();
