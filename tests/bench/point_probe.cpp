@@ -11,8 +11,10 @@ namespace shutterline::bench {
 
 absl::StatusOr<std::unique_ptr<PointProbe>> PointProbe::Create(
     std::shared_ptr<const engine::FrameScene> frame_scene, const RenderSettings& settings, int threads) {
+  SL_ASSIGN_OR_RETURN(engine::Shader shader, engine::Shader::Create(frame_scene, settings));
   SL_ASSIGN_OR_RETURN(engine::EmbreeFrame embree, engine::EmbreeFrame::Build(*frame_scene, threads));
-  return std::unique_ptr<PointProbe>(new PointProbe(std::move(frame_scene), settings, std::move(embree)));
+  return std::unique_ptr<PointProbe>(
+      new PointProbe(std::move(frame_scene), std::move(shader), std::move(embree)));
 }
 
 template <int kWidth>

@@ -9,7 +9,7 @@
 
 #include "common/job/render_settings.h"
 #include "common/math/spaces.h"
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/shading/shade.h"
 
@@ -46,9 +46,9 @@ class PointProbe {
   V2d Motion(const ProbeHit& hit) const;
 
  private:
-  PointProbe(std::shared_ptr<const engine::FrameScene> frame_scene, const RenderSettings& settings,
+  PointProbe(std::shared_ptr<const engine::FrameScene> frame_scene, engine::Shader shader,
              engine::EmbreeFrame embree)
-      : frame_scene_(std::move(frame_scene)), shader_(frame_scene_, settings), embree_(std::move(embree)) {}
+      : frame_scene_(std::move(frame_scene)), shader_(std::move(shader)), embree_(std::move(embree)) {}
 
   template <int kWidth>
   void SeePackets(std::span<const ProbePoint> points, std::span<ProbeHit> hits) const;

@@ -231,8 +231,8 @@ absl::StatusOr<ReferenceHalves> RenderReference(std::shared_ptr<const engine::Fr
   RenderSettings chunk_settings = settings;
   chunk_settings.integrator = IntegratorKind::kReference;
   chunk_settings.spp = spp / (2 * kChunksPerHalf);
-  const std::string key =
-      CacheKey(engine::Shader(frame_scene, settings), subset, absl::StrCat("points;", frame, ";", spp));
+  SL_ASSIGN_OR_RETURN(const engine::Shader shader, engine::Shader::Create(frame_scene, settings));
+  const std::string key = CacheKey(shader, subset, absl::StrCat("points;", frame, ";", spp));
   return Cached(key, subset, spp, cache, [&](int chunk) {
     chunk_settings.seed = 7000001 + uint64_t(chunk);
     return RenderSubset(frame_scene, frame, chunk_settings, subset, threads);

@@ -151,7 +151,10 @@ std::shared_ptr<const FrameScene> FrameSceneBuilder::Build() const {
   for (size_t p = 0; p < parts_.size(); ++p) {
     const Part& part = parts_[p];
     Material material;
-    material.base_color_factor = V4f(part.look.color.x, part.look.color.y, part.look.color.z, 1);
+    material.base_color_factor =
+        V4f(part.look.color.x, part.look.color.y, part.look.color.z, part.look.alpha);
+    material.alpha_mode = part.look.alpha_mode;
+    material.alpha_cutoff = part.look.alpha_cutoff;
     material.unlit = true;
     material.double_sided = part.look.double_sided;
     scene->materials.push_back(material);

@@ -28,6 +28,9 @@ struct FlatLook {
   V3f color{1, 1, 1};
   bool double_sided = true;
   std::vector<V4f> vertex_colors = {};
+  float alpha = 1;  ///< Times that of the vertices.
+  AlphaMode alpha_mode = AlphaMode::kOpaque;
+  float alpha_cutoff = 0.5f;
 };
 
 /// Makes FrameScenes without a file: every Add call makes one primitive with its own unlit material and

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
@@ -45,7 +46,7 @@ struct QuadScene : SceneBuilder {
 Shader HeadLit(std::shared_ptr<const FrameScene> frame) {
   RenderSettings settings;
   settings.lighting = LightingKind::kHeadlight;
-  return Shader(std::move(frame), settings);
+  return *Shader::Create(std::move(frame), settings);
 }
 
 void ExpectColor(const V3f& actual, const V3d& expected, double tolerance = 1e-6) {
@@ -189,7 +190,7 @@ Shader Lit(std::shared_ptr<const FrameScene> frame, LightingKind kind, double am
   RenderSettings settings;
   settings.lighting = kind;
   settings.ambient = {ambient, ambient, ambient};
-  return Shader(std::move(frame), settings);
+  return *Shader::Create(std::move(frame), settings);
 }
 
 /// A sun on the quad, from `angle` to its normal, turned about y.
@@ -222,6 +223,61 @@ TEST(Shade, ScenesWithoutLightsStandInTheStudioOthersInTheirOwn) {
   ExpectColor(sun, V3d(std::cos(0.5)));  // π lux make a white surface that faces them 1.
   EXPECT_EQ(Lit(s.Build(), LightingKind::kStudio).Shade(0, {0.2, 0.3}, {}), studio);
   ExpectColor(Lit(s.Build(), LightingKind::kScene, 0.25).Shade(0, {0.2, 0.3}, {}), V3d(std::cos(0.5) + 0.25));
+}
+
+TEST(Shade, WhatStandsInTheLightCastsAShadow) {
+  // A small quad hangs before the big one, in the sun of either kind.
+  for (const bool glass : {false, true}) {
+    for (const auto kind : {PunctualLight::Kind::kDirectional, PunctualLight::Kind::kPoint}) {
+      QuadScene s;
+      s.material() = Matte();
+      s.material().double_sided = true;
+      s.scene->nodes[0].transform.translation = {3, 0, 5};  // The camera sees past the small one.
+      MeshPrimitive small;
+      small.positions = {{-0.2f, -0.2f, 0}, {0.2f, -0.2f, 0}, {0.2f, 0.2f, 0}, {-0.2f, 0.2f, 0}};
+      small.triangles = {{0, 2, 1}, {0, 3, 2}};  // It shows its back to the light: that makes no difference.
+      small.material = 1;
+      s.scene->materials.push_back(Matte());
+      if (glass) s.scene->materials[1].alpha_mode = AlphaMode::kBlend;
+      s.AddNode(-1, V3d(0, 0, 1), s.AddMesh(small));
+      const int light = AddSun(s, 0);
+      s.scene->lights.back().kind = kind;
+      s.scene->nodes[size_t(light)].transform.translation = {0, 0, 3};
+      const Shader shader = Lit(s.Build(), LightingKind::kScene);
+      // (0.05, 0.02) lies behind the small quad, (0.9, -0.7) beside its shadow.
+      const auto at = [&](double x, double y) {
+        return shader.Shade(0, {(x + 1) / 2 - (y + 1) / 2, (y + 1) / 2}, {}).x;
+      };
+      EXPECT_GT(at(0.9, -0.7), 0.05);
+      EXPECT_EQ(at(0.05, 0.02) == 0, !glass);
+    }
+  }
+}
+
+TEST(Shade, SurfacesDoNotShadowThemselves) {
+  for (uint32_t seed = 1; seed <= 64; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform;
+    QuadScene s;
+    s.material() = Matte();
+    s.scene->nodes[size_t(s.node)].transform.rotation.setAxisAngle(
+        V3d(uniform(random), uniform(random), uniform(random)).normalized(), uniform(random));
+    s.scene->nodes[size_t(s.node)].transform.translation = {0, 0, -1000 * uniform(random)};
+    AddSun(s, 1.2 * uniform(random));
+    const auto frame = s.Build();
+    const Shader shader = Lit(frame, LightingKind::kScene);
+    Lighting without = *MakeLighting(*frame, [] {
+      RenderSettings settings;
+      settings.lighting = LightingKind::kScene;
+      return settings;
+    }());
+    without.shadows = nullptr;
+    const Shader bare(frame, without);
+    for (int i = 0; i < 20; ++i) {
+      const double b1 = uniform(random), b2 = (1 - b1) * uniform(random);
+      EXPECT_EQ(shader.Shade(0, {b1, b2}, {}), bare.Shade(0, {b1, b2}, {})) << "seed " << seed;
+    }
+  }
 }
 
 TEST(Shade, OcclusionDarkensTheSkyAlone) {

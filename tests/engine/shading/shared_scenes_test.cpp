@@ -83,7 +83,9 @@ TEST(SharedSceneFrames, EveryAnimationOfEverySceneIsFramedAndShaded) {
         ASSERT_TRUE(frame.ok()) << frame.status();
         EXPECT_EQ(int64_t((*frame)->triangles.size()), info.drawn_triangles);
         EXPECT_EQ((*frame)->dropped_triangles, 0);
-        ExpectDrawable(Shader(*frame, settings), info.cameras.empty());
+        const auto shader = Shader::Create(*frame, settings);
+        ASSERT_TRUE(shader.ok()) << shader.status();
+        ExpectDrawable(*shader, info.cameras.empty());
         if (scene->animations.empty()) {
           EXPECT_EQ(DescribeFrame(**frame).primitives_by_degree[1], 0);
           break;

@@ -110,4 +110,16 @@ SHUTTERLINE_EMBREE_INTERSECT(8)
 SHUTTERLINE_EMBREE_INTERSECT(16)
 #undef SHUTTERLINE_EMBREE_INTERSECT
 
+/// Whether anything is met within the ray's interval; the ray may be changed.
+inline bool IsOccluded(RTCScene scene, RTCRay& ray) {
+#if SHUTTERLINE_EMBREE_MAJOR >= 4
+  rtcOccluded1(scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+#endif
+  return ray.tfar < 0;
+}
+
 }  // namespace shutterline::engine

@@ -14,15 +14,16 @@ namespace shutterline::engine {
 absl::StatusOr<std::unique_ptr<EmbreeTracer>> EmbreeTracer::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
   SL_ASSIGN_OR_RETURN(EmbreeFrame embree, EmbreeFrame::Build(*frame_scene, threads));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
   return std::unique_ptr<EmbreeTracer>(
-      new EmbreeTracer(std::move(frame_scene), std::move(embree), frame, settings));
+      new EmbreeTracer(std::move(frame_scene), std::move(shader), std::move(embree), frame, settings));
 }
 
-EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, EmbreeFrame embree, int frame,
-                           const RenderSettings& settings)
+EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, EmbreeFrame embree,
+                           int frame, const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
       embree_(std::move(embree)),
-      shader_(frame_scene_, settings),
+      shader_(std::move(shader)),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);

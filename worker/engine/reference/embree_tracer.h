@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "common/job/render_settings.h"
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/sampling/point_pattern.h"
@@ -34,7 +34,7 @@ class EmbreeTracer : public TileIntegrator {
   void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
 
  private:
-  EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, EmbreeFrame embree, int frame,
+  EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, EmbreeFrame embree, int frame,
                const RenderSettings& settings);
 
   template <int kWidth>

@@ -18,8 +18,7 @@ Barycentric Inside(double b1, double b2) {
 
 }  // namespace
 
-HitShader::HitShader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings)
-    : shader_(std::move(frame), settings), traits_(shader_.Traits()) {
+HitShader::HitShader(Shader shader) : shader_(std::move(shader)), traits_(shader_.Traits()) {
   const FrameScene& scene = shader_.frame();
   for (const FramePrimitive& primitive : scene.primitives) {
     is_constant_.push_back(shader_.IsConstant(primitive));

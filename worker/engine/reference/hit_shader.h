@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "common/job/render_settings.h"
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/shading/shade.h"
@@ -14,7 +13,7 @@ namespace shutterline::engine {
 /// The radiance of hits; triangles of constant shading are shaded once, when this is made. Immutable.
 class HitShader {
  public:
-  HitShader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings);
+  explicit HitShader(Shader shader);
 
   /// `b1`, `b2` as Embree gives them, `t` the ray's time.
   V3f Radiance(uint32_t triangle, double b1, double b2, double t) const;

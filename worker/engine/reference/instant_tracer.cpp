@@ -41,7 +41,8 @@ bool InstantTracer::Fits(const FrameScene& frame, int spp) {
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
-  std::unique_ptr<InstantTracer> tracer(new InstantTracer(frame_scene, frame, settings));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
+  std::unique_ptr<InstantTracer> tracer(new InstantTracer(frame_scene, std::move(shader), frame, settings));
   const size_t trees = AnythingMoves(*frame_scene) ? tracer->instants_.size() : 1;
   // A tree serves one ray a pixel: where triangles are many, building it well would take longer than it
   // saves.
@@ -62,10 +63,10 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
   return std::unique_ptr<TileIntegrator>(std::move(tracer));
 }
 
-InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, int frame,
+InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, int frame,
                              const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
-      shader_(frame_scene_, settings),
+      shader_(std::move(shader)),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);

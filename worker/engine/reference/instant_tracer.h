@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/job/render_settings.h"
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/sampling/point_pattern.h"
@@ -35,7 +35,8 @@ class InstantTracer final : public TileIntegrator {
   void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
 
  private:
-  InstantTracer(std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings);
+  InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, int frame,
+                const RenderSettings& settings);
 
   template <int kWidth>
   void RenderTile(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;

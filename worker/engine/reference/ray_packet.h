@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "worker/engine/accel/embree.h"
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 
 namespace shutterline::engine {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/reference/ray_packet.h"
 

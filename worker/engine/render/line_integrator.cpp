@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "common/base/check.h"
+#include "common/base/status_macros.h"
 #include "common/math/tolerance.h"
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/stage_timer.h"
@@ -37,16 +38,18 @@ double MiddleOf(const PixelPair& pair) {
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
     std::shared_ptr<const FrameScene> frame, const RenderSettings& settings, int threads) {
-  absl::StatusOr<std::unique_ptr<const Bvh>> bvh = Bvh::Build(frame, threads);
-  if (!bvh.ok()) return bvh.status();
-  return std::unique_ptr<TileIntegrator>(new LineIntegrator(std::move(frame), settings, *std::move(bvh)));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame, settings));
+  if (settings.resolver == ResolverKind::kPaper) SL_RETURN_IF_ERROR(shader.CheckOpaque("resolver paper"));
+  SL_ASSIGN_OR_RETURN(std::unique_ptr<const Bvh> bvh, Bvh::Build(frame, threads));
+  return std::unique_ptr<TileIntegrator>(
+      new LineIntegrator(std::move(frame), std::move(shader), settings, std::move(bvh)));
 }
 
-LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
-                               std::unique_ptr<const Bvh> bvh)
+LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader shader,
+                               const RenderSettings& settings, std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame)),
       bvh_(std::move(bvh)),
-      shader_(frame_, settings),
+      shader_(std::move(shader)),
       resolver_(MakeResolver(settings)),
       traits_(shader_.Traits()) {}
 

@@ -24,7 +24,7 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
 
  private:
-  LineIntegrator(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
+  LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader shader, const RenderSettings& settings,
                  std::unique_ptr<const Bvh> bvh);
 
   /// What a triangle looks like, if a few colours say it.

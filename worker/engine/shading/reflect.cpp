@@ -79,9 +79,16 @@ V3d Reflect(const FrameView& view, const Lighting& lighting, const Surface& surf
   V3d sum(0);
   if (lighting.HasSky()) sum = FromSky(view, lighting, surface, shares, n_dot_v);
   for (const FrameLight& light : lighting.lights) {
-    if (const auto incidence = IncidenceAt(light, surface.position)) {
-      sum += FromLight(*incidence, surface, shares, n_dot_v);
+    const auto incidence = IncidenceAt(light, surface.position);
+    if (!incidence) continue;
+    const V3d radiance = FromLight(*incidence, surface, shares, n_dot_v);
+    if (radiance == V3d(0)) continue;
+    if (lighting.shadows != nullptr &&
+        lighting.shadows->IsShadowed(surface.position, surface.face, incidence->to_light,
+                                     incidence->distance)) {
+      continue;
     }
+    sum += radiance;
   }
   return sum;
 }

@@ -1,16 +1,22 @@
 #include "worker/engine/shading/shade.h"
 
+#include <absl/strings/str_cat.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "common/base/status_macros.h"
 #include "worker/engine/shading/head_light.h"
 #include "worker/engine/shading/reflect.h"
 #include "worker/engine/shading/surface.h"
 
 namespace shutterline::engine {
 
-Shader::Shader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings)
-    : frame_(std::move(frame)), lighting_(MakeLighting(*frame_, settings)) {}
+absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame,
+                                      const RenderSettings& settings) {
+  SL_ASSIGN_OR_RETURN(Lighting lighting, MakeLighting(*frame, settings));
+  return Shader(std::move(frame), std::move(lighting));
+}
 
 V3f Shader::Shade(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
   const FrameTriangle& corners = frame_->triangles[triangle];
@@ -37,7 +43,8 @@ double Shader::Alpha(uint32_t triangle, const Barycentric& at, const Footprint& 
 
 bool Shader::IsGlossy(const Material& material) const {
   constexpr float kRoughEnough = 0.45f;
-  return !material.unlit && !lighting_.head_light && material.roughness_factor < kRoughEnough;
+  if (material.unlit || lighting_.head_light) return false;
+  return material.roughness_factor < kRoughEnough || !lighting_.lights.empty();  // Shadows have edges.
 }
 
 std::vector<PrimitiveTraits> Shader::Traits() const {
@@ -52,6 +59,19 @@ std::vector<PrimitiveTraits> Shader::Traits() const {
     traits.push_back(made);
   }
   return traits;
+}
+
+absl::Status Shader::CheckOpaque(absl::string_view method) const {
+  const std::vector<PrimitiveTraits> traits = Traits();
+  for (size_t i = 0; i < traits.size(); ++i) {
+    if (!traits[i].layer) continue;
+    const Material& material = *frame_->primitives[i].material;
+    return absl::UnimplementedError(absl::StrCat(
+        method, ": material \"", material.name, "\" has alpha mode ",
+        material.alpha_mode == AlphaMode::kMask ? "MASK" : "BLEND",
+        ", which it does not know; integrator line with resolver slice, and integrator reference, do"));
+  }
+  return absl::OkStatus();
 }
 
 void Shader::MakeLayer(const FramePrimitive& primitive, PrimitiveTraits& traits) const {

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <absl/status/statusor.h>
+#include <absl/strings/string_view.h>
+
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/job/render_settings.h"
@@ -18,7 +22,12 @@ namespace shutterline::engine {
 /// it does not matter who evaluates it, or when.
 class Shader {
  public:
-  Shader(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings);
+  static absl::StatusOr<Shader> Create(std::shared_ptr<const FrameScene> frame,
+                                       const RenderSettings& settings);
+
+  /// `lighting` may refer to the frame.
+  Shader(std::shared_ptr<const FrameScene> frame, Lighting lighting)
+      : frame_(std::move(frame)), lighting_(std::move(lighting)) {}
 
   /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter, as if
   /// it were opaque: layers are not premultiplied.
@@ -30,6 +39,10 @@ class Shader {
   /// True if Shade returns the same value all over every triangle of the primitive: then `at` and
   /// `footprint` are never looked at and callers need not compute them.
   bool IsConstant(const FramePrimitive& primitive) const;
+
+  /// For methods that know nothing of layers: UNIMPLEMENTED, naming the method and the first layer's
+  /// material, where the frame has any.
+  absl::Status CheckOpaque(absl::string_view method) const;
 
   /// By primitive of the frame.
   std::vector<PrimitiveTraits> Traits() const;

@@ -41,17 +41,20 @@ struct StochasticIntegrator::Workspace {
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> StochasticIntegrator::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
+  SL_RETURN_IF_ERROR(shader.CheckOpaque("integrator stochastic"));
   SL_ASSIGN_OR_RETURN(std::unique_ptr<const Bvh> bvh, Bvh::Build(frame_scene, threads));
   return std::unique_ptr<TileIntegrator>(
-      new StochasticIntegrator(std::move(frame_scene), frame, settings, std::move(bvh)));
+      new StochasticIntegrator(std::move(frame_scene), std::move(shader), frame, settings, std::move(bvh)));
 }
 
-StochasticIntegrator::StochasticIntegrator(std::shared_ptr<const FrameScene> frame_scene, int frame,
-                                           const RenderSettings& settings, std::unique_ptr<const Bvh> bvh)
+StochasticIntegrator::StochasticIntegrator(std::shared_ptr<const FrameScene> frame_scene, Shader shader,
+                                           int frame, const RenderSettings& settings,
+                                           std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame_scene)),
       pattern_(settings.seed, frame, settings.spp),
       bvh_(std::move(bvh)),
-      shader_(frame_, settings),
+      shader_(std::move(shader)),
       traits_(shader_.Traits()) {
   SL_CHECK(settings.spp >= 1);
 }

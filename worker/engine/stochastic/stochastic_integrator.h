@@ -36,7 +36,7 @@ class StochasticIntegrator final : public TileIntegrator {
   /// What one thread needs while it renders a rectangle.
   struct Workspace;
 
-  StochasticIntegrator(std::shared_ptr<const FrameScene> frame_scene, int frame,
+  StochasticIntegrator(std::shared_ptr<const FrameScene> frame_scene, Shader shader, int frame,
                        const RenderSettings& settings, std::unique_ptr<const Bvh> bvh);
 
   void RenderCell(const TileRect& part, const TileRect& rect, std::span<float> rgba, RenderStats& stats,

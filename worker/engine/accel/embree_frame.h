@@ -14,8 +14,8 @@ namespace shutterline::engine {
 
 /// A frame's triangles as an Embree scene: one geometry a primitive, numbered alike, vertices in view space
 /// divided by scale(). Where a primitive moves, as many time steps as its straight pieces have ends
-/// (FramePrimitive::linear_pieces), which Embree joins by straight lines. Immutable; any number of threads
-/// may trace.
+/// (FramePrimitive::linear_pieces), which Embree joins by straight lines. Occlusion queries pass through
+/// layers, materials that are not opaque. Immutable; any number of threads may trace.
 class EmbreeFrame {
  public:
   static absl::StatusOr<EmbreeFrame> Build(const FrameScene& frame, int threads);
@@ -38,6 +38,7 @@ class EmbreeFrame {
   };
 
   static void FilterHits(const RTCFilterFunctionNArguments* arguments);
+  static void LetPass(const RTCFilterFunctionNArguments* arguments);
 
   static absl::StatusOr<EmbreeFrame> BuildScene(const FrameScene& frame, std::optional<double> instant,
                                                 RTCBuildQuality quality, EmbreeDevice device);

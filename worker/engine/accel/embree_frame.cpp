@@ -1,4 +1,4 @@
-#include "worker/engine/reference/embree_frame.h"
+#include "worker/engine/accel/embree_frame.h"
 
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
@@ -52,6 +52,10 @@ void EmbreeFrame::FilterHits(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+void EmbreeFrame::LetPass(const RTCFilterFunctionNArguments* arguments) {
+  std::fill_n(arguments->valid, arguments->N, 0);
+}
+
 absl::StatusOr<EmbreeFrame> EmbreeFrame::Build(const FrameScene& frame, int threads) {
   // More threads than processors would only make TBB complain.
   tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
@@ -73,7 +77,7 @@ absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildScene(const FrameScene& frame, std
   result.device_ = std::move(owned);
   const RTCDevice device = result.device_.get();
   if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
-    return absl::InternalError("build the reference's scene: this Embree was built without filter functions");
+    return absl::InternalError("build the scene for rays: this Embree was built without filter functions");
   }
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) {
     result.packet_width_ = 16;
@@ -88,10 +92,10 @@ absl::StatusOr<EmbreeFrame> EmbreeFrame::BuildScene(const FrameScene& frame, std
     result.infos_.push_back({primitive.first_triangle, primitive.material->double_sided});
   }
   for (unsigned p = 0; p < frame.primitives.size(); ++p) {
-    SL_RETURN_IF_ERROR(Annotate(result.AddPrimitive(frame, p, instant), "build the reference's scene"));
+    SL_RETURN_IF_ERROR(Annotate(result.AddPrimitive(frame, p, instant), "build the scene for rays"));
   }
   rtcCommitScene(result.scene());
-  SL_RETURN_IF_ERROR(EmbreeStatus(device, "build the reference's scene"));
+  SL_RETURN_IF_ERROR(EmbreeStatus(device, "build the scene for rays"));
   return result;
 }
 
@@ -129,6 +133,9 @@ absl::Status EmbreeFrame::AddPrimitive(const FrameScene& frame, unsigned number,
 
   rtcSetGeometryUserData(geometry.get(), &infos_[number]);
   rtcSetGeometryIntersectFilterFunction(geometry.get(), &EmbreeFrame::FilterHits);
+  if (primitive.material->alpha_mode != AlphaMode::kOpaque) {
+    rtcSetGeometryOccludedFilterFunction(geometry.get(), &EmbreeFrame::LetPass);
+  }
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene_.get(), geometry.get(), number);
   return EmbreeStatus(device_.get(), "geometry");
