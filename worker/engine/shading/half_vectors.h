@@ -20,8 +20,8 @@ inline V2d HammersleyPoint(int i, int count) {
   return {(i + 0.5) / count, bits * 0x1p-32};
 }
 
-/// Half vectors about +z as dense as the GGX facets that are seen from `view`, a unit vector above the surface
-/// [heitz2018]: facets are those of an ellipsoid, which becomes a hemisphere where α = 1.
+/// Half vectors about +z as dense as the GGX facets that are seen from `view`, a unit vector above the
+/// surface [heitz2018]: facets are those of an ellipsoid, which becomes a hemisphere where α = 1.
 inline V3d VisibleHalfVector(const V2d& u, double alpha, const V3d& view) {
   const V3d stretched = V3d(alpha * view.x, alpha * view.y, view.z).normalized();
   const double length = std::hypot(stretched.x, stretched.y);
