@@ -118,7 +118,7 @@ double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t
 
 V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
-  constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1};
+  constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1, .rough = true};
   return shader_.Shade(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 

@@ -68,10 +68,12 @@ MipPyramid::MipPyramid(const TextureImage& image, TextureEncoding encoding)
     next.width = std::max(1, Width(level) / 2);
     next.height = std::max(1, Height(level) / 2);
     next.rgba.resize(size_t(next.width) * size_t(next.height) * 4);
+    std::vector<Cover> columns_of(size_t(next.width));
+    for (int x = 0; x < next.width; ++x) columns_of[size_t(x)] = CoverOf(x, next.width, Width(level));
     for (int y = 0; y < next.height; ++y) {
       const Cover rows = CoverOf(y, next.height, Height(level));
       for (int x = 0; x < next.width; ++x) {
-        const Cover columns = CoverOf(x, next.width, Width(level));
+        const Cover& columns = columns_of[size_t(x)];
         V4f sum(0);
         for (int j = 0; j < rows.count; ++j) {
           for (int i = 0; i < columns.count; ++i) {
@@ -95,6 +97,18 @@ int MipPyramid::Width(int level) const {
 
 int MipPyramid::Height(int level) const {
   return level == 0 ? image_.height : levels_[size_t(level) - 1].height;
+}
+
+std::array<V4f, 4> MipPyramid::Texels(int level, int left, int right, int top, int bottom) const {
+  if (level == 0) {
+    return {Texel(0, left, top), Texel(0, right, top), Texel(0, left, bottom), Texel(0, right, bottom)};
+  }
+  const Level& l = levels_[size_t(level) - 1];
+  const auto at = [&](int x, int y) {
+    const uint16_t* t = &l.rgba[(size_t(y) * size_t(l.width) + size_t(x)) * 4];
+    return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
+  };
+  return {at(left, top), at(right, top), at(left, bottom), at(right, bottom)};
 }
 
 V4f MipPyramid::Texel(int level, int x, int y) const {

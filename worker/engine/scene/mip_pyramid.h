@@ -35,6 +35,8 @@ class MipPyramid {
   int Height(int level) const;
   /// Linear colour and alpha of a texel, rows from the top.
   V4f Texel(int level, int x, int y) const;
+  /// Four at once: top left and right, bottom left and right.
+  std::array<V4f, 4> Texels(int level, int left, int right, int top, int bottom) const;
 
  private:
   struct Level {

@@ -12,6 +12,8 @@ struct Barycentric {
 /// coordinates with respect to raster x and y, per pixel. Selects mip levels. Zeros mean level 0.
 struct Footprint {
   double db1_dx = 0, db1_dy = 0, db2_dx = 0, db2_dy = 0;
+  /// A rough look will do: textures are blurred in all directions alike.
+  bool rough = false;
 };
 
 }  // namespace shutterline::engine

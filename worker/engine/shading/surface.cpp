@@ -55,7 +55,8 @@ V4d TextureAt(const Point& point, const TextureRef& reference, TextureEncoding e
   const Footprint& f = point.footprint;
   const Texture& texture = point.frame.scene->textures[size_t(reference.texture)];
   return V4d(SampleTexture(*point.frame.Pyramid(texture.image, encoding), texture, uv,
-                           f.db1_dx * along1 + f.db2_dx * along2, f.db1_dy * along1 + f.db2_dy * along2));
+                           f.db1_dx * along1 + f.db2_dx * along2, f.db1_dy * along1 + f.db2_dy * along2,
+                           f.rough ? 1 : kMostProbes));
 }
 
 V3d Rgb(const V4d& color) {

@@ -1,13 +1,11 @@
 #include "worker/engine/shading/texture_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace shutterline::engine {
 namespace {
-
-/// A footprint is at most so many times longer than it is wide; longer ones are blurred across.
-constexpr int kMostProbes = 16;
 
 /// Where uv lies in texels of a level; huge coordinates are reduced so that they fit an integer.
 double TexelCoordinate(double u, int size) {
@@ -33,8 +31,8 @@ V4f Bilinear(const MipPyramid& pyramid, int level, const Texture& texture, const
   const auto fx = float(x - double(x0)), fy = float(y - double(y0));
   const int left = WrapTexel(x0, width, texture.wrap_s), right = WrapTexel(x0 + 1, width, texture.wrap_s);
   const int top = WrapTexel(y0, height, texture.wrap_t), bottom = WrapTexel(y0 + 1, height, texture.wrap_t);
-  return Mix(Mix(pyramid.Texel(level, left, top), pyramid.Texel(level, right, top), fx),
-             Mix(pyramid.Texel(level, left, bottom), pyramid.Texel(level, right, bottom), fx), fy);
+  const std::array<V4f, 4> texels = pyramid.Texels(level, left, right, top, bottom);
+  return Mix(Mix(texels[0], texels[1], fx), Mix(texels[2], texels[3], fx), fy);
 }
 
 /// Of a footprint of so many texels (of level 0, at least 1) in every direction.
@@ -64,7 +62,7 @@ int WrapTexel(int64_t index, int size, WrapMode mode) {
 }
 
 V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, const V2d& duv_dx,
-                  const V2d& duv_dy) {
+                  const V2d& duv_dy, int most_probes) {
   if (!std::isfinite(uv.x)) uv.x = 0;
   if (!std::isfinite(uv.y)) uv.y = 0;
   const double along_x = TexelLength(pyramid, duv_dx), along_y = TexelLength(pyramid, duv_dy);
@@ -78,7 +76,7 @@ V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, con
       std::abs(duv_dx.x * duv_dy.y - duv_dx.y * duv_dy.x) * pyramid.Width(0) * pyramid.Height(0);
   const double width = std::max(area / longest, 1.0);
   const double ratio = std::ceil(longest / width - 1e-6);
-  const int probes = ratio < kMostProbes ? std::max(int(ratio), 1) : kMostProbes;
+  const int probes = ratio < most_probes ? std::max(int(ratio), 1) : most_probes;
   const double texels = std::max(longest / probes, 1.0);
   if (probes == 1) return Trilinear(pyramid, texture, uv, texels);
   const V2d& axis = along_x >= along_y ? duv_dx : duv_dy;
