@@ -64,13 +64,17 @@ void AddTimeOptions(CLI::App& app, JobOptions& o) {
                                                   "a number of frames from -1000000 to 1000000"),
                                         o.settings.shutter_close);
                          });
+  auto* curve =
+      AddValue(app, "--shutter-curve", "box|triangle|trapezoid|decay|T:A,...", "box",
+               "How far the shutter is open from 0 (open) to 1 (close);\nor points, as in 0:0,0.25:1,1:0",
+               [&](const std::string& t) { return Store(ParseShutterCurve(t), o.settings.shutter_curve); });
   auto* animation = AddValue(app, "--animation", "NAME|INDEX|all|none", "the first",
                              "Which of the file's animations moves the scene", [&](const std::string& t) {
                                return StoreName(t, o.settings.animation, "a name, an index, all or none");
                              });
   frame->excludes(frames);
   frames->excludes(frame);
-  for (CLI::Option* option : {frame, frames, fps, open, close, animation}) option->group("Time");
+  for (CLI::Option* option : {frame, frames, fps, open, close, curve, animation}) option->group("Time");
 }
 
 void AddPictureOptions(CLI::App& app, JobOptions& o) {

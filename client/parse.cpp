@@ -2,6 +2,7 @@
 
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
 
 #include <charconv>
 #include <cmath>
@@ -60,6 +61,31 @@ absl::StatusOr<FrameSize> ParseFrameSize(absl::string_view text) {
   const auto height = ParseWhole(text.substr(cross + 1), 1, kMaxFrameSide);
   if (!height.ok()) return Annotate(height.status(), "height");
   return FrameSize{static_cast<int>(*width), static_cast<int>(*height)};
+}
+
+absl::StatusOr<std::vector<ShutterPoint>> ParseShutterCurve(absl::string_view text) {
+  std::vector<ShutterPoint> points;
+  if (text == "box") return points;
+  if (text == "triangle") return std::vector<ShutterPoint>{{0, 0}, {0.5, 1}, {1, 0}};
+  if (text == "trapezoid") return std::vector<ShutterPoint>{{0, 0}, {0.25, 1}, {0.75, 1}, {1, 0}};
+  if (text == "decay") {
+    constexpr int kPieces = 16;
+    for (int i = 0; i <= kPieces; ++i) points.push_back({i / double(kPieces), std::exp(-3.0 * i / kPieces)});
+    return points;
+  }
+  for (const absl::string_view point : absl::StrSplit(text, ',')) {
+    const size_t colon = point.find(':');
+    if (colon == absl::string_view::npos) {
+      return absl::InvalidArgumentError(
+          "must be box, triangle, trapezoid, decay, or points as in 0:0,0.25:1,1:0");
+    }
+    ShutterPoint& p = points.emplace_back();
+    SL_ASSIGN_OR_RETURN(p.time,
+                        ParseReal(point.substr(0, colon), 0, 1, "a time from 0 to 1, before the colon"));
+    SL_ASSIGN_OR_RETURN(p.opening, ParseReal(point.substr(colon + 1), 0, kMaxShutterOpening,
+                                             absl::StrCat("an opening from 0 to ", kMaxShutterOpening)));
+  }
+  return points;
 }
 
 absl::StatusOr<std::array<double, 3>> ParseColor(absl::string_view text, double most) {

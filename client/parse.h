@@ -5,6 +5,9 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
+
+#include "common/job/render_settings.h"
 
 namespace shutterline::client {
 
@@ -22,6 +25,10 @@ struct FrameSize {
   int width = 0, height = 0;
 };
 absl::StatusOr<FrameSize> ParseFrameSize(absl::string_view text);
+
+/// A shutter's opening over its time: box (nothing), triangle, trapezoid, decay (exponential, to a
+/// twentieth), or points "0:0,0.25:1,1:0".
+absl::StatusOr<std::vector<ShutterPoint>> ParseShutterCurve(absl::string_view text);
 
 /// Red, green and blue, "0.5,0.5,1", each from 0 to `most`.
 absl::StatusOr<std::array<double, 3>> ParseColor(absl::string_view text, double most);

@@ -7,6 +7,10 @@ namespace shutterline {
 std::string DescribeSettings(const RenderSettings& s) {
   std::string text = absl::StrCat("integrator=", ToString(s.integrator), " size=", s.width, "x", s.height,
                                   " fps=", s.fps, " shutter=", s.shutter_open, ":", s.shutter_close);
+  for (size_t i = 0; i < s.shutter_curve.size(); ++i) {
+    absl::StrAppend(&text, i == 0 ? " shutter_curve=" : ",", s.shutter_curve[i].time, ":",
+                    s.shutter_curve[i].opening);
+  }
   if (s.motion_degree) absl::StrAppend(&text, " motion_degree=", *s.motion_degree);
   if (s.motion_pieces) absl::StrAppend(&text, " motion_pieces=", *s.motion_pieces);
   absl::StrAppend(&text, " lighting=", ToString(s.lighting));

@@ -147,6 +147,11 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Real(render.fps);
   writer.Real(render.shutter_open);
   writer.Real(render.shutter_close);
+  writer.Number(render.shutter_curve.size());
+  for (const ShutterPoint& point : render.shutter_curve) {
+    writer.Real(point.time);
+    writer.Real(point.opening);
+  }
   writer.Text(render.camera);
   writer.Text(render.animation);
   writer.Signed(render.motion_degree ? int64_t{*render.motion_degree} : -1);

@@ -2,10 +2,13 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
+
+#include "common/base/status_macros.h"
 
 namespace shutterline {
 namespace {
@@ -58,6 +61,32 @@ absl::Status OutOfRange(absl::string_view field, double value, absl::string_view
       absl::StrCat("render settings: ", field, " is ", value, ", but must be ", range));
 }
 
+absl::Status ValidateShutterCurve(const std::vector<ShutterPoint>& curve) {
+  if (curve.empty()) return absl::OkStatus();
+  const auto wrong = [](size_t i, absl::string_view why) {
+    return absl::InvalidArgumentError(absl::StrCat("render settings: shutter_curve[", i, "]: ", why));
+  };
+  if (curve.size() < 2 || curve.size() > kMaxShutterPoints) {
+    return absl::InvalidArgumentError(absl::StrCat("render settings: shutter_curve has ", curve.size(),
+                                                   " points, but must have none or 2 to ",
+                                                   kMaxShutterPoints));
+  }
+  double most = 0;
+  for (size_t i = 0; i < curve.size(); ++i) {
+    const bool in_order = i == 0 ? curve[i].time == 0 : curve[i].time > curve[i - 1].time;
+    if (!in_order) return wrong(i, "times must ascend from 0");
+    if (!(curve[i].opening >= 0 && curve[i].opening <= kMaxShutterOpening)) {
+      return wrong(
+          i, absl::StrCat("the opening is ", curve[i].opening, ", but must be 0 to ", kMaxShutterOpening));
+    }
+    most = std::max(most, curve[i].opening);
+  }
+  if (curve.back().time != 1) return wrong(curve.size() - 1, "the last time must be 1");
+  // Less would vanish in the products that follow.
+  if (most < 1e-6) return wrong(0, "the shutter never opens");
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Validate(const RenderSettings& s) {
@@ -76,6 +105,7 @@ absl::Status Validate(const RenderSettings& s) {
     return OutOfRange("shutter_close", s.shutter_close,
                       absl::StrCat("at least shutter_open (", s.shutter_open, ")"));
   }
+  SL_RETURN_IF_ERROR(ValidateShutterCurve(s.shutter_curve));
   if (s.motion_degree && (*s.motion_degree < 1 || *s.motion_degree > kMaxMotionDegree)) {
     return OutOfRange("motion_degree", *s.motion_degree, absl::StrCat("1 to ", kMaxMotionDegree));
   }

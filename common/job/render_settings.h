@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace shutterline {
 
@@ -26,6 +27,14 @@ inline constexpr double kDefaultTargetError = 0.0025;
 /// Pixels of motion between two instants below which nothing is gained.
 inline constexpr double kFinestTimeStep = 0.5;
 
+/// How far open the shutter is at a time of it; between two points it changes linearly.
+struct ShutterPoint {
+  double time = 0;  ///< 0: shutter open, 1: shutter close.
+  double opening = 1;
+
+  friend bool operator==(const ShutterPoint&, const ShutterPoint&) = default;
+};
+
 /// What decides a frame's pixels. Part of every tile's identity: two renders with equal settings, scene,
 /// frame and engine build are equal to the last bit.
 struct RenderSettings {
@@ -36,6 +45,10 @@ struct RenderSettings {
   /// Shutter open and close in frames relative to the frame, as in USD. Open <= close; equal means a still.
   double shutter_open = 0;
   double shutter_close = 0.5;
+  /// Weighs the times of the shutter: points at ascending times, the first at 0, the last at 1, whose
+  /// openings (0 to kMaxShutterOpening, in any unit) are not all 0; at most kMaxShutterPoints. Empty: open
+  /// all the time.
+  std::vector<ShutterPoint> shutter_curve;
   /// A camera's name or index in the file. Empty: the file's first camera, or, where there is none, an
   /// automatic one that frames the scene.
   std::string camera;
@@ -99,6 +112,8 @@ inline constexpr int kMaxMotionDegree = 3;
 inline constexpr int kMaxMotionPieces = 64;
 inline constexpr int kMaxTimeCells = 64;
 inline constexpr double kMaxAmbient = 1e6;
+inline constexpr double kMaxShutterOpening = 1e6;
+inline constexpr size_t kMaxShutterPoints = 64;
 inline constexpr int kMaxSpp = 1 << 20;
 
 /// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range and no

@@ -84,6 +84,11 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_fps(s.fps);
   m.set_shutter_open(s.shutter_open);
   m.set_shutter_close(s.shutter_close);
+  for (const ShutterPoint& point : s.shutter_curve) {
+    v1::ShutterPoint& p = *m.add_shutter_curve();
+    p.set_time(point.time);
+    p.set_opening(point.opening);
+  }
   m.set_camera(s.camera);
   m.set_animation(s.animation);
   if (s.motion_degree) m.set_motion_degree(*s.motion_degree);
@@ -154,6 +159,10 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   s.fps = m.fps();
   s.shutter_open = m.shutter_open();
   s.shutter_close = m.shutter_close();
+  // More than are allowed are not copied: Validate sees that there are too many.
+  for (int i = 0; i < m.shutter_curve_size() && s.shutter_curve.size() <= kMaxShutterPoints; ++i) {
+    s.shutter_curve.push_back({m.shutter_curve(i).time(), m.shutter_curve(i).opening()});
+  }
   s.camera = m.camera();
   s.animation = m.animation();
   if (m.has_motion_degree()) s.motion_degree = m.motion_degree();

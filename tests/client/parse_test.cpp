@@ -35,6 +35,21 @@ TEST(Parse, FrameSize) {
   }
 }
 
+TEST(Parse, ShutterCurve) {
+  EXPECT_TRUE(ParseShutterCurve("box")->empty());
+  EXPECT_EQ(*ParseShutterCurve("triangle"), (std::vector<ShutterPoint>{{0, 0}, {0.5, 1}, {1, 0}}));
+  EXPECT_EQ(*ParseShutterCurve("0:1,0.25:2.5,1:0"), (std::vector<ShutterPoint>{{0, 1}, {0.25, 2.5}, {1, 0}}));
+  for (const char* word : {"box", "triangle", "trapezoid", "decay"}) {
+    RenderSettings settings;
+    settings.shutter_curve = *ParseShutterCurve(word);
+    EXPECT_TRUE(Validate(settings).ok()) << word;
+  }
+  for (const char* text :
+       {"", "tent", "0", "0:", ":1", "0:1,", "0:1;1:1", "-1:1,1:1", "0:nan,1:1", "0:-1,1:1"}) {
+    EXPECT_FALSE(ParseShutterCurve(text).ok()) << text;
+  }
+}
+
 TEST(Parse, Color) {
   const auto color = ParseColor("0.5,0,12", 12);
   ASSERT_TRUE(color.ok());

@@ -51,6 +51,13 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        {0, -1e-3, 0.99e-5, 0.51, kNaN, kInfinity}},
       {"motion_degree", [](auto& s, double v) { s.motion_degree = int(v); }, {1, 2, 3}, {0, -1, 4}},
       {"motion_pieces", [](auto& s, double v) { s.motion_pieces = int(v); }, {1, 2, 64}, {0, -2, 3, 65, 128}},
+      {"ambient", [](auto& s, double v) { s.ambient[1] = v; }, {0, 1e6}, {-1e-3, 1.1e6, kNaN, kInfinity}},
+      {"shutter_curve",
+       [](auto& s, double v) {
+         s.shutter_curve = {{0, v}, {1, 1}};
+       },
+       {0, 1, 1e6},
+       {-0.1, 1.1e6, kNaN, kInfinity}},
       {"spp", [](auto& s, double v) { s.spp = int(v); }, {1, 1048576}, {0, -1, 1048577}},
   };
   for (const Range& range : ranges) {
@@ -66,6 +73,21 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
       EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << range.field << " " << value;
       EXPECT_THAT(std::string(status.message()), HasSubstr(range.field));
     }
+  }
+}
+
+TEST(RenderSettings, ShutterCurvesGoFromZeroToOne) {
+  const std::vector<std::vector<ShutterPoint>> wrong = {{{0, 1}},
+                                                        {{0, 1}, {0.5, 1}},
+                                                        {{0.1, 1}, {1, 1}},
+                                                        {{0, 1}, {0.5, 1}, {0.5, 0}, {1, 1}},
+                                                        {{0, 1}, {kNaN, 1}, {1, 1}},
+                                                        {{0, 0}, {1, 0}},
+                                                        std::vector<ShutterPoint>(65, ShutterPoint{})};
+  for (const std::vector<ShutterPoint>& curve : wrong) {
+    RenderSettings settings;
+    settings.shutter_curve = curve;
+    EXPECT_THAT(std::string(Validate(settings).message()), HasSubstr("shutter_curve")) << curve.size();
   }
 }
 
@@ -98,6 +120,9 @@ TEST(RenderSettings, WordRoundTrips) {
                             PatternKind::k8h8v, PatternKind::k16h16v, PatternKind::kRgls},
                            ParsePattern);
   ExpectWords<ResolverKind>({ResolverKind::kSlice, ResolverKind::kPaper}, ParseResolver);
+  ExpectWords<LightingKind>(
+      {LightingKind::kAuto, LightingKind::kScene, LightingKind::kStudio, LightingKind::kHeadlight},
+      ParseLighting);
   ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);
   ExpectWords<ExrCompression>(
       {ExrCompression::kNone, ExrCompression::kZip, ExrCompression::kPiz, ExrCompression::kDwaa},

@@ -25,6 +25,7 @@ EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader
       embree_(std::move(embree)),
       shader_(std::move(shader)),
       pattern_(settings.seed, frame),
+      shutter_(settings.shutter_curve),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
 }
@@ -46,7 +47,7 @@ void EmbreeTracer::RenderPixels(const TileRect& rect, std::span<float> rgba, Ren
         for (int lane = 0; lane < kWidth; ++lane) {
           valid[lane] = lane < count ? -1 : 0;
           const PixelPoint p = points.At(uint32_t(first + std::min(lane, count - 1)));
-          camera.Set(packet, lane, x + p.x, y + p.y, p.t);
+          camera.Set(packet, lane, x + p.x, y + p.y, shutter_.TimeOf(p.t));
         }
         std::array<double, kWidth> times;
         std::copy_n(packet.ray.time, kWidth, times.begin());

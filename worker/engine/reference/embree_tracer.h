@@ -9,6 +9,7 @@
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/sampling/point_pattern.h"
+#include "worker/engine/sampling/shutter_curve.h"
 
 namespace shutterline::engine {
 
@@ -44,6 +45,7 @@ class EmbreeTracer : public TileIntegrator {
   EmbreeFrame embree_;
   HitShader shader_;
   PointPattern pattern_;
+  ShutterCurve shutter_;
   int spp_;
 };
 

@@ -14,6 +14,7 @@
 #include "common/base/status_macros.h"
 #include "worker/engine/reference/ray_packet.h"
 #include "worker/engine/reference/ray_walk.h"
+#include "worker/engine/sampling/shutter_curve.h"
 
 namespace shutterline::engine {
 namespace {
@@ -70,9 +71,10 @@ InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shad
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
+  const ShutterCurve shutter(settings.shutter_curve);
   for (int s = 0; s < spp_; ++s) {
     // Pixels left of the frame serve as sources of random numbers.
-    instants_.push_back((s + pattern_.Pixel(-1, s).At(0).t) / spp_);
+    instants_.push_back(shutter.TimeOf((s + pattern_.Pixel(-1, s).At(0).t) / spp_));
   }
 }
 

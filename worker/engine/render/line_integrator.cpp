@@ -39,7 +39,12 @@ double MiddleOf(const PixelPair& pair) {
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
     std::shared_ptr<const FrameScene> frame, const RenderSettings& settings, int threads) {
   SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame, settings));
-  if (settings.resolver == ResolverKind::kPaper) SL_RETURN_IF_ERROR(shader.CheckOpaque("resolver paper"));
+  if (settings.resolver == ResolverKind::kPaper) {
+    SL_RETURN_IF_ERROR(shader.CheckOpaque("resolver paper"));
+    if (!settings.shutter_curve.empty()) {
+      return absl::UnimplementedError("resolver paper: it knows no shutter curve but box");
+    }
+  }
   SL_ASSIGN_OR_RETURN(std::unique_ptr<const Bvh> bvh, Bvh::Build(frame, threads));
   return std::unique_ptr<TileIntegrator>(
       new LineIntegrator(std::move(frame), std::move(shader), settings, std::move(bvh)));

@@ -42,6 +42,7 @@ EffortChooser::EffortChooser(const RenderSettings& settings)
     : pattern_(LinePattern::Get(settings.pattern)),
       pattern_is_free_(settings.pattern == PatternKind::kAuto),
       target_error_(settings.time_samples ? 0 : settings.target_error.value_or(0)),
+      shutter_(settings.shutter_curve),
       by_motion_(settings),
       at_most_(WithTimeStep(settings, std::min(settings.time_step, kFinestTimeStep))) {}
 
@@ -62,7 +63,7 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSo
 
   const LinePattern& single = LinePattern::Get(PatternKind::k1h1v);
   const EffortPilot::Findings found = work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()),
-                                                     pilot, work.colors, film, alpha, stats);
+                                                     pilot, shutter_, work.colors, film, alpha, stats);
   const double samples =
       double(found.samples) * std::pow(kTimeShare * found.time_difference / target_error_, 1 / kTimeSlope);
   const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;

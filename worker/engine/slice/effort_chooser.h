@@ -5,6 +5,7 @@
 #include "common/job/render_settings.h"
 #include "worker/engine/render/stats.h"
 #include "worker/engine/sampling/line_pattern.h"
+#include "worker/engine/sampling/shutter_curve.h"
 #include "worker/engine/slice/effort_pilot.h"
 #include "worker/engine/slice/line_class.h"
 #include "worker/engine/slice/tile_colors.h"
@@ -45,6 +46,7 @@ class EffortChooser {
   const LinePattern& pattern_;
   bool pattern_is_free_;
   double target_error_;  // 0: none.
+  ShutterCurve shutter_;
   TimeSamples by_motion_;
   TimeSamples at_most_;
 };

@@ -20,15 +20,16 @@ constexpr int64_t kFewestChanging = 128;
 }  // namespace
 
 EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<LineClass>& classes,
-                                       int64_t instants, TileColors& colors, ColorFilm& film,
-                                       const AlphaSource* alpha, RenderStats& stats) {
+                                       int64_t instants, const ShutterCurve& shutter, TileColors& colors,
+                                       ColorFilm& film, const AlphaSource* alpha, RenderStats& stats) {
   colors.BeginGuessing(strata.mesh(), film);
   const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
   const bool moves = instants > 1;
   for (size_t f = 0; f < 2; ++f) {
     const double offset = f == 0 ? 0.25 : 0.75;
     for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
-      RenderPart(strata, *lines[f], instants, offset, half == 1, colors, film, alpha, stats, parts_[f][half]);
+      RenderPart(strata, *lines[f], instants, offset, half == 1, shutter, colors, film, alpha, stats,
+                 parts_[f][half]);
     }
   }
 
@@ -64,12 +65,12 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
 }
 
 void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset,
-                             bool inner, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
-                             RenderStats& stats, Sums& sums) {
+                             bool inner, const ShutterCurve& shutter, TileColors& colors, ColorFilm& film,
+                             const AlphaSource* alpha, RenderStats& stats, Sums& sums) {
   instants_.clear();
   for (int64_t i = 0; i < instants; ++i) {
     const bool is_inner = i % 4 == 1 || i % 4 == 2;
-    if (is_inner == inner) instants_.push_back(TimeSamples::InstantAt(i, instants, offset));
+    if (is_inner == inner) instants_.push_back(shutter.TimeOf(TimeSamples::InstantAt(i, instants, offset)));
   }
   film.Reset(strata.mesh().rect().Area());
   const int64_t lines_before = stats.lines;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/engine/render/stats.h"
+#include "worker/engine/sampling/shutter_curve.h"
 #include "worker/engine/slice/class_resolver.h"
 #include "worker/engine/slice/line_class.h"
 #include "worker/engine/slice/tile_colors.h"
@@ -32,14 +33,15 @@ class EffortPilot {
   /// The first and the last of `classes` are of different families. `instants`: a multiple of 4, or 1 where
   /// nothing moves. Writes over the film.
   Findings Fly(TileStrata& strata, const std::vector<LineClass>& classes, int64_t instants,
-               TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats);
+               const ShutterCurve& shutter, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
+               RenderStats& stats);
 
  private:
   using Sums = std::vector<std::array<double, 4>>;
 
   void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
-                  TileColors& colors, ColorFilm& film, const AlphaSource* alpha, RenderStats& stats,
-                  Sums& sums);
+                  const ShutterCurve& shutter, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
+                  RenderStats& stats, Sums& sums);
 
   ClassResolver resolver_;
   PairWeights no_pairs_;

@@ -7,7 +7,9 @@
 namespace shutterline::engine {
 
 ResolverSlice::ResolverSlice(const RenderSettings& settings)
-    : pattern_(LinePattern::Get(settings.pattern)), effort_chooser_(settings) {}
+    : pattern_(LinePattern::Get(settings.pattern)),
+      shutter_(settings.shutter_curve),
+      effort_chooser_(settings) {}
 
 std::unique_ptr<ResolverSlice::Workspace> ResolverSlice::TakeWorkspace() const {
   const std::lock_guard lock(mutex_);
@@ -33,7 +35,8 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
     for (const LineClass& lines : work->lines.In(*effort.pattern, tile.rect)) {
       work->instants.clear();
       for (int64_t i = 0; i < effort.instants; ++i) {
-        work->instants.push_back(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset));
+        work->instants.push_back(
+            shutter_.TimeOf(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset)));
       }
       work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha, weights,
                                    stats);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/job/render_settings.h"
+#include "worker/engine/sampling/shutter_curve.h"
 #include "worker/engine/slice/class_resolver.h"
 #include "worker/engine/slice/effort_chooser.h"
 #include "worker/engine/slice/line_class.h"
@@ -44,6 +45,7 @@ class ResolverSlice final : public Resolver {
   std::unique_ptr<Workspace> TakeWorkspace() const;
 
   const LinePattern& pattern_;  // Where something moves.
+  ShutterCurve shutter_;
   EffortChooser effort_chooser_;
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Workspace>> free_workspaces_;  // Guarded by mutex_.

@@ -43,6 +43,9 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> StochasticIntegrator::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
   SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
   SL_RETURN_IF_ERROR(shader.CheckOpaque("integrator stochastic"));
+  if (!settings.shutter_curve.empty()) {
+    return absl::UnimplementedError("integrator stochastic: it knows no shutter curve but box");
+  }
   SL_ASSIGN_OR_RETURN(std::unique_ptr<const Bvh> bvh, Bvh::Build(frame_scene, threads));
   return std::unique_ptr<TileIntegrator>(
       new StochasticIntegrator(std::move(frame_scene), std::move(shader), frame, settings, std::move(bvh)));
