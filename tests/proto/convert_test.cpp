@@ -38,7 +38,8 @@ JobSpec RandomSpec(std::mt19937& random) {
   if (below(2)) r.motion_pieces = 1 << below(7);
   r.integrator = IntegratorKind(below(3));
   r.reference_layout = ReferenceLayout(below(2));
-  if (below(2)) r.shutter_curve = {{0, below(9) / 4.0}, {0.25 + below(9) / 20.0, 1 + below(9) / 2.0}, {1, 0.5}};
+  if (below(2))
+    r.shutter_curve = {{0, below(9) / 4.0}, {0.25 + below(9) / 20.0, 1 + below(9) / 2.0}, {1, 0.5}};
   r.lighting = LightingKind(below(4));
   r.ambient = {below(10) / 3.0, below(10) / 3.0, below(10) / 3.0};
   r.pattern = PatternKind(below(6));
