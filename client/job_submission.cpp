@@ -4,25 +4,15 @@
 
 #include "client/human.h"
 #include "client/scene_manifest.h"
+#include "client/scene_source.h"
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
-#include "worker/engine/scene/directory_asset_source.h"
 
 namespace shutterline::client {
-namespace {
-
-absl::StatusOr<std::unique_ptr<engine::DirectoryAssetSource>> OpenScene(const std::string& path) {
-  auto source = engine::DirectoryAssetSource::Open(path);
-  if (!source.ok()) return Annotate(source.status(), absl::StrCat("load scene ", path));
-  return source;
-}
-
-}  // namespace
-
 absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, Progress& progress) {
   SL_ASSIGN_OR_RETURN(const v1::Capabilities capabilities, Greet(connection));
-  SL_ASSIGN_OR_RETURN(const auto source, OpenScene(options.scene));
+  SL_ASSIGN_OR_RETURN(const auto source, OpenSceneSource(options.scene, options.environment));
   JobSpec spec;
   SL_ASSIGN_OR_RETURN(spec.scene, BuildManifest(*source, capabilities.max_blob_bytes()));
   spec.name = source->RootName();

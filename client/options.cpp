@@ -132,7 +132,11 @@ void AddLightOptions(CLI::App& app, JobOptions& o) {
   auto* ambient =
       AddValue(app, "--ambient", "R,G,B", "0,0,0", "Radiance that comes from everywhere, linear",
                [&](const std::string& t) { return Store(ParseColor(t, kMaxAmbient), s.ambient); });
-  for (CLI::Option* option : {lighting, ambient}) option->group("Light");
+  auto* environment =
+      AddValue(app, "--environment", "FILE.exr", "",
+               "A picture of latitude and longitude that lights the scene\n(for --lighting auto and scene)",
+               [&](const std::string& t) { return StoreName(t, o.environment, "a file's path"); });
+  for (CLI::Option* option : {lighting, ambient, environment}) option->group("Light");
 }
 
 void AddMethodOptions(CLI::App& app, JobOptions& o) {

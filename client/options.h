@@ -15,7 +15,8 @@ namespace shutterline::client {
 
 /// What `render` and `submit` are told on the command line.
 struct JobOptions {
-  std::string scene;  ///< Path of the .gltf or .glb file.
+  std::string scene;        ///< Path of the .gltf or .glb file.
+  std::string environment;  ///< Path of an EXR that lights the scene; empty: none.
   FrameRange frames{1, 1, 1};
   RenderSettings settings;
   OutputSettings output_settings;

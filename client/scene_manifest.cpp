@@ -8,6 +8,7 @@
 
 #include "common/asset/digest.h"
 #include "common/base/status_macros.h"
+#include "worker/engine/scene/environment.h"
 #include "worker/engine/scene/gltf_import.h"
 
 namespace shutterline::client {
@@ -24,6 +25,10 @@ absl::StatusOr<SceneManifest> BuildManifest(const engine::AssetSource& source, u
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   const std::string context = absl::StrCat("load scene ", manifest.root_name);
+  // What the workers would refuse is refused here.
+  const auto environment = engine::ReadEnvironment(source, limits.max_file_bytes);
+  if (!environment.ok()) return Annotate(environment.status(), context);
+  if (*environment != nullptr) names.emplace_back(engine::kEnvironmentFile);
   for (const std::string& name : names) {
     SL_RETURN_IF_ERROR(Annotate(ValidateRelativeName(name), absl::StrCat(context, ": file '", name, "'")));
     const absl::StatusOr<std::string> bytes = source.Read(name, limits.max_file_bytes);

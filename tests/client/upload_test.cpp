@@ -6,9 +6,12 @@
 #include <string>
 
 #include "client/scene_manifest.h"
+#include "client/scene_source.h"
+#include "common/image/exr.h"
 #include "tests/client/fake_farm.h"
 #include "tests/client/temp_folder.h"
 #include "worker/engine/scene/directory_asset_source.h"
+#include "worker/engine/scene/environment.h"
 
 namespace shutterline::client {
 namespace {
@@ -35,6 +38,31 @@ void WriteScene(const TempFolder& folder, size_t bytes, uint32_t seed) {
     for (char& c : data) c = char(random());
     folder.Write(name, data);
   }
+}
+
+TEST(Manifest, AnEnvironmentTravelsUnderItsOwnName) {
+  TempFolder folder;
+  folder.Write("scene.gltf", R"({"asset": {"version": "2.0"}})");
+  Image sky(8, 4, {"R", "G", "B"});
+  folder.Write("noon.exr", *EncodeExr(sky, {}, {}));
+  folder.Write("wrong.exr", *EncodeExr(Image(8, 8, {"R", "G", "B"}), {}, {}));
+  const auto source = OpenSceneSource(folder.File("scene.gltf"), folder.File("noon.exr"));
+  ASSERT_TRUE(source.ok()) << source.status();
+  const auto manifest = BuildManifest(**source, 1 << 20);
+  ASSERT_TRUE(manifest.ok()) << manifest.status();
+  ASSERT_EQ(manifest->files.size(), 2u);
+  EXPECT_EQ(manifest->files[1].name, std::string(engine::kEnvironmentFile));
+  // None was given: one that lies beside the scene is not taken.
+  folder.Write(std::string(engine::kEnvironmentFile), "anything");
+  const auto bare = OpenSceneSource(folder.File("scene.gltf"), "");
+  ASSERT_TRUE(bare.ok());
+  EXPECT_EQ(BuildManifest(**bare, 1 << 20)->files.size(), 1u);
+  // What is wrong is told before anything travels.
+  const auto wrong = OpenSceneSource(folder.File("scene.gltf"), folder.File("wrong.exr"));
+  ASSERT_TRUE(wrong.ok());
+  EXPECT_EQ(BuildManifest(**wrong, 1 << 20).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(OpenSceneSource(folder.File("scene.gltf"), folder.File("none.exr")).status().code(),
+            absl::StatusCode::kNotFound);
 }
 
 TEST(SceneManifest, NamesEveryFileOnceWithItsDigest) {

@@ -225,6 +225,22 @@ TEST(Shade, ScenesWithoutLightsStandInTheStudioOthersInTheirOwn) {
   ExpectColor(Lit(s.Build(), LightingKind::kScene, 0.25).Shade(0, {0.2, 0.3}, {}), V3d(std::cos(0.5) + 0.25));
 }
 
+TEST(Shade, AnEnvironmentLightsTheScene) {
+  QuadScene s;
+  s.material() = Matte();
+  auto picture = std::make_shared<Environment>();
+  picture->width = 64;
+  picture->height = 32;
+  picture->texels.assign(64 * 32, V3f(0.25f, 0.5f, 1));
+  s.scene->environment = picture;
+  for (const LightingKind kind : {LightingKind::kAuto, LightingKind::kScene}) {
+    ExpectColor(Lit(s.Build(), kind).Shade(0, {0.2, 0.3}, {}), V3d(0.25, 0.5, 1), 1e-3);
+  }
+  AddSun(s, 0.5);
+  ExpectColor(Lit(s.Build(), LightingKind::kAuto).Shade(0, {0.2, 0.3}, {}),
+              V3d(0.25, 0.5, 1) + V3d(std::cos(0.5)), 1e-3);
+}
+
 TEST(Shade, WhatStandsInTheLightCastsAShadow) {
   // A small quad hangs before the big one, in the sun of either kind.
   for (const bool glass : {false, true}) {

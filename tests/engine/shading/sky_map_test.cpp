@@ -60,6 +60,24 @@ TEST(SkyMap, DirectionsAreWhereTheyShouldBe) {
   }
 }
 
+TEST(SkyMap, PicturesLieAsOpenExrHasThem) {
+  // Rows from above; the middle column towards +z, the left quarter towards +x.
+  auto picture = std::make_shared<Environment>();
+  picture->width = 64;
+  picture->height = 32;
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      picture->texels.emplace_back(std::abs(x - 16) < 4 ? 1 : 0, std::abs(x - 32) < 4 ? 1 : 0, y < 4 ? 1 : 0);
+    }
+  }
+  const auto sky = SkyMap::Of(picture);
+  EXPECT_EQ(SkyMap::Of(picture), sky);
+  EXPECT_EQ(sky->Glossy(V3d(1, 0, 0), 0).x, 1);
+  EXPECT_EQ(sky->Glossy(V3d(0, 0, 1), 0).y, 1);
+  EXPECT_EQ(sky->Glossy(V3d(0, 1, 0), 0).z, 1);
+  EXPECT_EQ(sky->Glossy(V3d(0, 0, -1), 0), V3d(0));
+}
+
 TEST(SkyMap, FilteringKeepsWhatComesFromEverywhere) {
   // The mean over all directions is the same, however rough the surface.
   const auto sky = Studio();

@@ -102,6 +102,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& sourc
   return Guard(source, [&]() -> absl::StatusOr<std::shared_ptr<const Scene>> {
     auto scene = std::make_shared<Scene>();
     SL_RETURN_IF_ERROR(ImportAll(source, limits, scene.get()));
+    SL_ASSIGN_OR_RETURN(scene->environment, ReadEnvironment(source, limits.max_file_bytes));
     return std::shared_ptr<const Scene>(std::move(scene));
   });
 }

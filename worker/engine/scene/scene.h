@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/math/spaces.h"
+#include "worker/engine/scene/environment.h"
 #include "worker/engine/scene/mip_pyramid.h"
 #include "worker/engine/scene/shared_facts.h"
 
@@ -209,6 +210,7 @@ struct Scene {
   std::vector<Skin> skins;
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
+  std::shared_ptr<const Environment> environment;  ///< Null: none.
   std::vector<Animation> animations;
   ImportReport report;
   MipPyramidCache mip_pyramids;  ///< Of `images`; made when a frame first needs them.

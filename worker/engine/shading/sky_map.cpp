@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <mutex>
 
 #include "common/math/unit_vector.h"
 #include "worker/engine/shading/ggx.h"
@@ -96,6 +98,23 @@ std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) 
         Filtered(sources, std::clamp(across, std::min(32, finest), std::min(128, finest)), roughness));
   }
   return sky;
+}
+
+std::shared_ptr<const SkyMap> SkyMap::Of(const std::shared_ptr<const Environment>& environment) {
+  static std::mutex mutex;
+  static std::weak_ptr<const Environment> last;
+  static std::shared_ptr<const SkyMap> sky_of_last;
+  const std::lock_guard lock(mutex);
+  if (last.lock() == environment && sky_of_last != nullptr) return sky_of_last;
+  Level picture = Level::OfSize(environment->width, 0);
+  picture.texels = environment->texels;
+  // As many texels as a power of two, at most two of the picture's in a row for one: sampling takes their
+  // mean.
+  constexpr int kWidest = 4096;
+  const int width = std::min(int(std::bit_floor(unsigned(environment->width))), kWidest);
+  sky_of_last = Make([&](const V3d& direction) { return picture.Sample(direction); }, width);
+  last = environment;
+  return sky_of_last;
 }
 
 void SkyMap::ProjectToHarmonics(const Level& sharp) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/math/spaces.h"
+#include "worker/engine/scene/environment.h"
 
 namespace shutterline::engine {
 
@@ -23,6 +24,9 @@ class SkyMap {
   /// Samples `radiance` at `width` × `width` / 2 directions, equally spaced in longitude and latitude. At
   /// least 8 wide. Deterministic.
   static std::shared_ptr<const SkyMap> Make(const Radiance& radiance, int width);
+
+  /// Of a picture. The last one made is kept, as the frames of a scene share it. Thread-safe.
+  static std::shared_ptr<const SkyMap> Of(const std::shared_ptr<const Environment>& environment);
 
   /// Irradiance over π on a surface with this normal: the radiance that a white matte surface shows.
   V3d Diffuse(const V3d& normal) const;
