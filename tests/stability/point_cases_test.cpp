@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "tests/stability/hard_case.h"
 #include "tests/support/render_tiles.h"
@@ -258,6 +260,39 @@ TEST_P(PointCases, Row37HoleOfAThousandth) {
   AddRectangle(c, -5, -5, 5, 5, 1, 1, 0.2);
   ExpectEstimates(c, 1e-3, {}, {0, 0, 0, 0, 1, 1}, 1);
   EXPECT_EQ(Exactly(c)[3], 1);
+}
+
+TEST_P(PointCases, Row35StackedLayers) {
+  // A million red layers in no order, a green one before them all.
+  constexpr uint32_t kLayers = 1000000;
+  std::vector<RasterPoint> vertices;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  const auto add = [&](double depth) {
+    const auto first = uint32_t(vertices.size());
+    for (const auto& [x, y] : {std::pair(-50, -50), std::pair(150, -50), std::pair(50, 150)}) {
+      vertices.push_back({double(x), double(y), depth, 1});
+    }
+    triangles.push_back({first, first + 1, first + 2});
+  };
+  for (uint32_t i = 0; i < kLayers; ++i) add(0.1 + 0.8 * ((i * 7919u) % kLayers) / kLayers);
+  FrameSceneBuilder builder(OrthographicView(64, 64));
+  builder.AddMesh(std::move(vertices), {}, triangles, {.color = {1, 0, 0}});
+  vertices.clear();
+  triangles.clear();
+  add(0.95);
+  builder.AddMesh(std::move(vertices), {}, triangles, {.color = {0, 1, 0}});
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.integrator = GetParam();
+  settings.spp = 16;
+  const auto built = MakeTileIntegrator(builder.Build(), 0, settings, 2);
+  ASSERT_TRUE(built.ok()) << built.status();
+  const Image pixels = RenderRect(**built, {16, 16, 8, 8});
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(pixels.At(i, i)[0], 0);
+    EXPECT_EQ(pixels.At(i, i)[1], 1);
+    EXPECT_EQ(pixels.At(i, i)[3], 1);
+  }
 }
 
 TEST_P(PointCases, Row38BackInFrontForATenth) {

@@ -1,9 +1,20 @@
 #include "worker/engine/shading/lighting.h"
 
+#include <algorithm>
+
 #include "common/base/status_macros.h"
 #include "worker/engine/shading/studio.h"
 
 namespace shutterline::engine {
+
+namespace {
+
+bool AnythingIsLit(const FrameScene& frame) {
+  return std::any_of(frame.primitives.begin(), frame.primitives.end(),
+                     [](const FramePrimitive& primitive) { return !primitive.material->unlit; });
+}
+
+}  // namespace
 
 absl::StatusOr<Lighting> MakeLighting(const FrameScene& frame, const RenderSettings& settings) {
   LightingKind kind = settings.lighting;
@@ -15,7 +26,7 @@ absl::StatusOr<Lighting> MakeLighting(const FrameScene& frame, const RenderSetti
   Lighting lighting;
   lighting.ambient = {settings.ambient[0], settings.ambient[1], settings.ambient[2]};
   lighting.head_light = kind == LightingKind::kHeadlight;
-  if (kind == LightingKind::kStudio) lighting.sky = Studio();
+  if (kind == LightingKind::kStudio && AnythingIsLit(frame)) lighting.sky = Studio();
   if (kind == LightingKind::kScene && environment != nullptr) lighting.sky = SkyMap::Of(environment);
   if (kind == LightingKind::kScene && !frame.lights.empty()) {
     lighting.lights = frame.lights;

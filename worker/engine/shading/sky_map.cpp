@@ -57,15 +57,18 @@ V3d SkyMap::Level::DirectionOf(int x, int y) const {
           -std::sin(latitude) * std::cos(longitude)};
 }
 
-V3d SkyMap::Level::Sample(const V3d& direction) const {
-  double longitude = std::atan2(direction.x, -direction.z) / (2 * M_PI);
-  if (longitude < 0) longitude += 1;
-  const double x = longitude * width - 0.5;
-  const double y = std::acos(std::clamp(direction.y, -1.0, 1.0)) / M_PI * height - 0.5;
-  const double fx = x - std::floor(x), fy = y - std::floor(y);
-  const int x0 = (int(std::floor(x)) + width) % width, x1 = (x0 + 1) % width;
-  const int y0 = std::clamp(int(std::floor(y)), 0, height - 1);
-  const int y1 = std::clamp(int(std::floor(y)) + 1, 0, height - 1);
+V2d SkyMap::Level::AnglesOf(const V3d& direction) {
+  const double longitude = std::atan2(direction.x, -direction.z) / (2 * M_PI);
+  return {longitude < 0 ? longitude + 1 : longitude, std::acos(std::clamp(direction.y, -1.0, 1.0)) / M_PI};
+}
+
+V3d SkyMap::Level::At(const V2d& angles) const {
+  // Both are at least -1/2: what is cut off is what lies above the integer.
+  const double x = angles.x * width + (width - 0.5), y = angles.y * height + 0.5;
+  const int column = int(x), row = int(y);
+  const double fx = x - column, fy = y - row;
+  const int x0 = column % width, x1 = (column + 1) % width;
+  const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
   const V3d upper = V3d(At(x0, y0)) + fx * (V3d(At(x1, y0)) - V3d(At(x0, y0)));
   const V3d lower = V3d(At(x0, y1)) + fx * (V3d(At(x1, y1)) - V3d(At(x0, y1)));
   return upper + fy * (lower - upper);
@@ -167,14 +170,20 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
     total += light.z;
   }
   tbb::parallel_for(0, level.height, [&](int y) {
+    // A lobe turned about the axis looks the same in another column: its directions are found once a row.
+    const V3d normal = level.DirectionOf(0, y);
+    const V3d tangent = UnitOrZero(V3d(0, 1, 0).cross(normal));  // No texel's middle lies on the axis.
+    const V3d bitangent = normal.cross(tangent);
+    std::vector<V2d> angles;
+    for (const Sample& s : samples) {
+      angles.push_back(Level::AnglesOf(s.light.x * tangent + s.light.y * bitangent + s.light.z * normal));
+    }
     for (int x = 0; x < level.width; ++x) {
-      const V3d normal = level.DirectionOf(x, y);
-      const V3d tangent = UnitOrZero((std::abs(normal.y) < 0.9 ? V3d(0, 1, 0) : V3d(1, 0, 0)).cross(normal));
-      const V3d bitangent = normal.cross(tangent);
+      const double turn = double(x) / level.width;
       V3d sum(0);
-      for (const Sample& s : samples) {
-        const V3d direction = s.light.x * tangent + s.light.y * bitangent + s.light.z * normal;
-        sum += s.weight * sources[s.source].Sample(direction);
+      for (size_t i = 0; i < samples.size(); ++i) {
+        const V2d at(angles[i].x + turn, angles[i].y);
+        sum += samples[i].weight * sources[samples[i].source].At(at);
       }
       level.texels[size_t(y) * size_t(level.width) + size_t(x)] = V3f(sum / total);
     }

@@ -39,12 +39,16 @@ class SkyMap {
  private:
   /// Latitude by longitude, rows from the top (+y), x from −z around by +x.
   struct Level {
+    /// Longitude and latitude of a direction as parts of a map's width and height, the former in [0, 1).
+    static V2d AnglesOf(const V3d& direction);
+
     int width = 0, height = 0;
     double roughness = 0;
     std::vector<V3f> texels;
 
     const V3f& At(int x, int y) const { return texels[size_t(y) * size_t(width) + size_t(x)]; }
-    V3d Sample(const V3d& direction) const;
+    V3d Sample(const V3d& direction) const { return At(AnglesOf(direction)); }
+    V3d At(const V2d& angles) const;
     static Level OfSize(int width, double roughness);
     V3d DirectionOf(int x, int y) const;
   };
