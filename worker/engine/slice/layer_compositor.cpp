@@ -103,6 +103,7 @@ void LayerCompositor::CompositeUncrossed(int32_t begin, int32_t end, const Span*
       return;
     }
     const double alpha = AlphaOf(*surface, begin, end);
+    if (!(alpha > 0)) continue;
     const auto share = int64_t(std::lround(alpha * double(left)));
     if (share == 0) continue;
     AddShare(begin, end, *surface, share);

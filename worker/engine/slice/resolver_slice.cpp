@@ -6,6 +6,12 @@
 
 namespace shutterline::engine {
 
+/// Of 16h16v, the most of any pattern.
+constexpr int kMostStepsPerPixelLog2 = 5;
+static_assert(kLayerUnit << (TimeSamples::kMaxLog2 + kSubpixelBits + kMostStepsPerPixelLog2) <= int64_t{1}
+                                                                                                    << 53,
+              "a pixel's weight is no longer exact in a double");
+
 ResolverSlice::ResolverSlice(const RenderSettings& settings)
     : pattern_(LinePattern::Get(settings.pattern)),
       shutter_(settings.shutter_curve),
