@@ -14,8 +14,7 @@ namespace shutterline::engine {
 /// its memory; one per thread.
 class ClassResolver {
  public:
-  /// `instants`: the times at which what moves is resolved; each weighs 1, or kLayerUnit where there are
-  /// layers.
+  /// `instants`: the times at which what moves is resolved; each weighs 1.
   void Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
                TileColors& colors, const AlphaSource* alpha, PairWeights& weights, RenderStats& stats);
 

@@ -33,8 +33,7 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
     }
   }
 
-  const double weight = double(instants) * double(kSubpixelsPerPixel *
-                                                  strata.mesh().weight_unit());  // Of a family, or of a half.
+  const double weight = double(instants) * double(kSubpixelsPerPixel);  // Of a family, or of a half.
   double time_sum = 0, space_sum = 0;
   int64_t changing = 0;
   for (size_t i = 0; i < parts_[0][0].size(); ++i) {

@@ -227,11 +227,9 @@ bool GroupResolver::GatherLayers(const SegmentLists& layers, int lane, const Pla
 void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
                               const VisiblePieces& pieces, double t,
                               const std::array<int64_t, kLanes>& weights, const Placers& placers) {
-  const int64_t unit = mesh_->weight_unit();
   for (int lane = 0; lane < group_->lanes; ++lane) {
-    const int64_t instants = weights[size_t(lane)];
-    if ((lanes >> lane & 1) == 0 || instants == 0) continue;
-    const int64_t weight = instants * unit;
+    const int64_t weight = weights[size_t(lane)];
+    if ((lanes >> lane & 1) == 0 || weight == 0) continue;
     sums_.BeginLane(lane, double(weight));
     const bool is_layered = mesh_->has_layers() && GatherLayers(layers, lane, placers);
     pieces_of_lane_.clear();
@@ -264,7 +262,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& lay
       sums_.AddApart(lane, begin, end, index, bin, weight, position);
     }
     if (is_layered) {
-      compositor_.Composite(layers_of_lane_, pieces_of_lane_, t, instants, lane, *colors_, sums_);
+      compositor_.Composite(layers_of_lane_, pieces_of_lane_, t, weight, lane, *colors_, sums_);
     }
     sums_.EndLane();
   }

@@ -39,7 +39,7 @@ void LayerCompositor::CompositeBetween(int32_t begin, int32_t end, const Span* b
     cuts_.push_back(std::min(layer.end, end));
   }
   if (over_.empty()) {
-    if (behind != nullptr) AddShare(begin, end, *behind, kLayerUnit);
+    if (behind != nullptr) AddWhole(begin, end, *behind);
     return;
   }
   // Alpha is looked at once a pixel.
@@ -51,9 +51,9 @@ void LayerCompositor::CompositeBetween(int32_t begin, int32_t end, const Span* b
   }
   std::sort(cuts_.begin(), cuts_.end());
   cuts_.erase(std::unique(cuts_.begin(), cuts_.end()), cuts_.end());
-  if (behind != nullptr && begin < first) AddShare(begin, first, *behind, kLayerUnit);
+  if (behind != nullptr && begin < first) AddWhole(begin, first, *behind);
   for (size_t i = 0; i + 1 < cuts_.size(); ++i) CompositeStep(cuts_[i], cuts_[i + 1], behind);
-  if (behind != nullptr && last < end) AddShare(last, end, *behind, kLayerUnit);
+  if (behind != nullptr && last < end) AddWhole(last, end, *behind);
 }
 
 void LayerCompositor::CompositeStep(int32_t begin, int32_t end, const Span* behind) {
@@ -62,7 +62,7 @@ void LayerCompositor::CompositeStep(int32_t begin, int32_t end, const Span* behi
     if (layer->begin <= begin && layer->end >= end) order_.push_back(layer);
   }
   if (order_.empty()) {
-    if (behind != nullptr) AddShare(begin, end, *behind, kLayerUnit);
+    if (behind != nullptr) AddWhole(begin, end, *behind);
     return;
   }
   if (behind != nullptr) order_.push_back(behind);
@@ -96,7 +96,7 @@ void LayerCompositor::CompositeOrdered(int32_t begin, int32_t end, const Span* b
 }
 
 void LayerCompositor::CompositeUncrossed(int32_t begin, int32_t end, const Span* behind) {
-  int64_t left = kLayerUnit;
+  int64_t left = end - begin;
   for (const Span* surface : order_) {
     if (surface == behind) {
       AddShare(begin, end, *behind, left);
@@ -143,17 +143,33 @@ double LayerCompositor::AlphaOf(const Span& layer, int32_t begin, int32_t end) c
   return kept;
 }
 
-void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& piece, int64_t share) {
-  const double weight = double(instants_) * double(share);
+uint16_t LayerCompositor::BinOf(const Span& surface) const {
+  return uint16_t(t_ * double(1u << mesh_->triangles()[surface.index].shading_bins_log2));
+}
+
+void LayerCompositor::AddWhole(int32_t begin, int32_t end, const Span& piece) {
   switch (colors_->KindOf(piece.index)) {
     case ColorKind::kConstant:
-      return sums_->AddFlatShare(begin, end, piece.index, weight);
+      return sums_->AddFlatShare(begin, end, piece.index, double(instants_));
     case ColorKind::kSmooth:
-      return sums_->AddSmooth(begin, end, piece.index, piece.position, weight);
+      return sums_->AddSmooth(begin, end, piece.index, piece.position);
     default:
-      const TileMeshTriangle& triangle = mesh_->triangles()[piece.index];
-      const auto bin = uint16_t(t_ * double(1u << triangle.shading_bins_log2));
-      sums_->AddApart(lane_, begin, end, piece.index, bin, instants_ * share, piece.position);
+      sums_->AddApart(lane_, begin, end, piece.index, BinOf(piece), instants_, piece.position);
+  }
+}
+
+void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& surface, int64_t share) {
+  switch (colors_->KindOf(surface.index)) {
+    case ColorKind::kConstant:
+      return sums_->AddColorShare(begin, colors_->ColorOf(surface.index), double(instants_), share);
+    case ColorKind::kSmooth: {
+      const double middle = (double(begin) + double(end)) * (0.5 / kSubpixelsPerPixel);
+      const TileColors::Color color = colors_->ColorAt(surface.index, surface.position, middle);
+      return sums_->AddColorShare(begin, color, double(instants_), share);
+    }
+    default:
+      sums_->AddApartShare(lane_, begin, end, surface.index, BinOf(surface), instants_, share,
+                           surface.position);
   }
 }
 

@@ -16,8 +16,9 @@ namespace shutterline::engine {
 /// begins or ends, at the borders of pixels, and where two surfaces cross, so their order is right
 /// everywhere.
 ///
-/// Transmittance is counted in integers of kLayerUnit: what the layers and the piece behind them get adds up
-/// exactly, and `k` layers of alpha ½ leave 2^-k of it.
+/// What is left of a span is counted in subpixels, as lengths are: a layer takes its alpha of them, rounded,
+/// and what is behind it gets the rest. So weights stay integers and add up exactly, and `k` layers of alpha
+/// ½ leave 2^-k of a pixel.
 class LayerCompositor {
  public:
   /// A surface's segment. Depth at subpixel x is depth + slope · (x − begin).
@@ -48,7 +49,9 @@ class LayerCompositor {
   void CompositeUncrossed(int32_t begin, int32_t end, const Span* behind);
   double AlphaOf(const Span& layer, int32_t begin, int32_t end) const;
   double AlphaAt(const Span& layer, double x) const;
+  void AddWhole(int32_t begin, int32_t end, const Span& piece);
   void AddShare(int32_t begin, int32_t end, const Span& surface, int64_t share);
+  uint16_t BinOf(const Span& surface) const;
   bool IsNearer(const Span& a, const Span& b, int32_t x) const;
 
   const TileMesh* mesh_ = nullptr;

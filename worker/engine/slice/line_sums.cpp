@@ -79,7 +79,8 @@ void LineSums::FlushApart(int lane, PairWeights& weights) {
       for (int step = from_step; step <= to_step; ++step) {
         const int32_t from = std::max(piece.begin, step << kSubpixelBits);
         const int64_t to = std::min<int64_t>(piece.end, int64_t{step + 1} << kSubpixelBits);
-        const uint64_t weight = uint64_t(to - from) * uint64_t(piece.weight);
+        const int64_t length = piece.share == kWhole ? to - from : piece.share;
+        const uint64_t weight = uint64_t(length) * uint64_t(piece.weight);
         const double middle = (double(from) + double(to)) * (0.5 / kSubpixelsPerPixel);
         Share& share = shares_[size_t(step)];
         share.weight += weight;

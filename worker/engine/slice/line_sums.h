@@ -21,6 +21,8 @@ namespace shutterline::engine {
 /// way, in integers. Other pieces are kept until the group is done, then gathered by triangle.
 class LineSums {
  public:
+  using Color = TileColors::Color;
+
   /// Begins a group of a class of a tile.
   void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, TileColors& colors);
 
@@ -73,22 +75,35 @@ class LineSums {
     color_ = nullptr;
   }
 
+  /// Of a piece within one step, a share of `share` subpixels times `weight`: it is seen through others, or
+  /// lets others be seen.
+  void AddColorShare(int32_t begin, const Color& color, double weight, int64_t share) {
+    Color& sum = shares_of_lane_[begin >> kSubpixelBits];
+    for (size_t c = 0; c < 4; ++c) sum[c] += weight * double(share) * color[c];
+  }
+
   /// Adds a piece of a triangle that is kept apart. `bin`: its part of the shutter.
   void AddApart(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
                 const LinePosition& position) {
-    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, position});
+    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, kWhole, position});
+  }
+  /// The same of a share of it, within one step.
+  void AddApartShare(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
+                     int64_t share, const LinePosition& position) {
+    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, share, position});
   }
 
   /// Hands everything on, in instants times subpixels.
   void End(PairWeights& weights);
 
  private:
-  using Color = TileColors::Color;
+  static constexpr int64_t kWhole = -1;
   struct Piece {
     int32_t begin, end;
     uint32_t index;
     uint16_t bin;
     int64_t weight;
+    int64_t share;  ///< Subpixels, or kWhole.
     LinePosition position;
   };
   /// Of one triangle (and bin) in a step of a line.

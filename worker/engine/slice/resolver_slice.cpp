@@ -6,12 +6,6 @@
 
 namespace shutterline::engine {
 
-/// Of 16h16v, the most of any pattern.
-constexpr int kMostStepsPerPixelLog2 = 5;
-static_assert(kLayerUnit << (TimeSamples::kMaxLog2 + kSubpixelBits + kMostStepsPerPixelLog2) <= int64_t{1}
-                                                                                                    << 53,
-              "a pixel's weight is no longer exact in a double");
-
 ResolverSlice::ResolverSlice(const RenderSettings& settings)
     : pattern_(LinePattern::Get(settings.pattern)),
       shutter_(settings.shutter_curve),
@@ -32,8 +26,7 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
   work->mesh.Build(tile, pattern_);
   work->strata.Build(work->mesh);
   const Effort effort = effort_chooser_.Choose(work->strata, flat, tile.alpha, work->effort, stats);
-  const auto line_weight =
-      uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel} * uint64_t(work->mesh.weight_unit());
+  const auto line_weight = uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel};
   weights.Reset(tile.rect.Area(), line_weight * uint64_t(effort.pattern->StepsPerPixel()));
   if (flat != nullptr) flat->Reset(tile.rect.Area());
   work->colors.Begin(work->mesh, flat);

@@ -40,9 +40,8 @@ class TileMesh {
   double far_depth() const { return far_depth_; }
   const std::vector<TileVertex>& vertices() const { return vertices_; }
   const std::vector<TileMeshTriangle>& triangles() const { return triangles_; }
-  /// Is any of them a layer? Weights are counted in units of kLayerUnit then.
+  /// Is any of them a layer?
   bool has_layers() const { return has_layers_; }
-  int64_t weight_unit() const { return has_layers_ ? kLayerUnit : 1; }
 
   /// By triangle: its number in the frame.
   const std::vector<uint32_t>& ids() const { return ids_; }

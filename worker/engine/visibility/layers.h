@@ -15,9 +15,4 @@ class AlphaSource {
   virtual double AlphaAt(uint32_t triangle, double b1, double b2, double t) const = 0;
 };
 
-/// Where a tile has layers, weights are counted in units so much smaller: a pixel's share that a layer leaves
-/// to what lies behind it is an integer of them. A power of two, and so small that the weights of a pixel, of the
-/// most lines at the most instants (TimeSamples::kMaxLog2), are still exact in doubles.
-inline constexpr int64_t kLayerUnit = int64_t{1} << 18;
-
 }  // namespace shutterline::engine
