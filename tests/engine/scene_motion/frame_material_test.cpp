@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -167,10 +168,11 @@ TEST(FrameTangents, AreByTheCornersOfTheTrianglesThatAreDrawn) {
     const auto frame = s.Build();
     ASSERT_EQ(frame->tangents.size(), 12u);
     EXPECT_EQ(frame->primitives[1].first_tangent, 6u);
-    const int upright[] = {3, 4, 5, 9, 10, 11}, swapped[] = {3, 5, 4, 9, 11, 10};
+    const std::array<int, 6> expected =
+        mirrored ? std::array{3, 5, 4, 9, 11, 10} : std::array{3, 4, 5, 9, 10, 11};
     for (size_t i = 0; i < 12; ++i) {
       const V4f& tangent = frame->tangents[i];
-      EXPECT_NEAR(tangent.y / tangent.x, (mirrored ? swapped : upright)[i % 6], 1e-4);
+      EXPECT_NEAR(tangent.y / tangent.x, expected[i % 6], 1e-4);
     }
   }
 }
