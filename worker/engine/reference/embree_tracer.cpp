@@ -11,6 +11,7 @@
 #include "worker/engine/reference/ray_walk.h"
 
 namespace shutterline::engine {
+
 absl::StatusOr<std::unique_ptr<EmbreeTracer>> EmbreeTracer::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
   SL_ASSIGN_OR_RETURN(EmbreeFrame embree, EmbreeFrame::Build(*frame_scene, threads));

@@ -11,10 +11,6 @@
 namespace shutterline::engine {
 namespace {
 
-V3d Times(const V3d& a, const V3d& b) {
-  return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-
 /// How the surface splits light by what it does with it.
 struct Shares {
   V3d once;        ///< Mirrored by one facet.
@@ -54,8 +50,8 @@ V3d FromSky(const FrameView& view, const Lighting& lighting, const Surface& surf
     const V3d lobe = UnitOrZero(reflected + alpha * (n - reflected));
     mirrored += lighting.sky->Glossy(view.WorldFromView(lobe == V3d(0) ? n : lobe), surface.roughness);
   }
-  return surface.occlusion * (Times(shares.once, mirrored) + Times(shares.repeatedly, scattered) +
-                              Times(shares.matte, scattered));
+  return surface.occlusion *
+         (shares.once * mirrored + shares.repeatedly * scattered + shares.matte * scattered);
 }
 
 V3d FromLight(const Incidence& incidence, const Surface& surface, const Shares& shares, double n_dot_v) {
@@ -67,8 +63,8 @@ V3d FromLight(const Incidence& incidence, const Surface& surface, const Shares& 
   const double v_dot_h = std::clamp(surface.to_camera.dot(half), 0.0, 1.0);
   const double alpha = std::max(surface.roughness * surface.roughness, kLeastAlpha);
   const double facets = GgxDistribution(n_dot_h, alpha) * SmithVisibility(n_dot_v, n_dot_l, alpha);
-  const V3d mirrored = facets * Times(shares.more, SchlickFresnel(surface.f0, surface.f90, v_dot_h));
-  return n_dot_l * Times(incidence.irradiance, mirrored + shares.matte / M_PI);
+  const V3d mirrored = facets * (shares.more * SchlickFresnel(surface.f0, surface.f90, v_dot_h));
+  return n_dot_l * (incidence.irradiance * (mirrored + shares.matte / M_PI));
 }
 
 }  // namespace

@@ -206,9 +206,10 @@ V3d SkyMap::Glossy(const V3d& direction, double roughness) const {
   while (i + 2 < levels_.size() && levels_[i + 1].roughness < roughness) ++i;
   const double part = std::clamp(
       (roughness - levels_[i].roughness) / (levels_[i + 1].roughness - levels_[i].roughness), 0.0, 1.0);
-  const V3d sharper = levels_[i].Sample(direction);
+  const V2d angles = Level::AnglesOf(direction);
+  const V3d sharper = levels_[i].At(angles);
   if (part == 0) return sharper;
-  return sharper + part * (levels_[i + 1].Sample(direction) - sharper);
+  return sharper + part * (levels_[i + 1].At(angles) - sharper);
 }
 
 }  // namespace shutterline::engine

@@ -10,9 +10,17 @@ namespace {
 
 /// A rectangle of light, seen from the middle of the room, with soft borders.
 struct SoftBox {
-  V3d towards;                     ///< Its middle; need not be of unit length.
+  V3d axis, right, up;             ///< Unit: towards its middle, and along its sides.
   double half_width, half_height;  ///< Tangents of the angles that it spans.
   V3d radiance;
+
+  SoftBox(const V3d& towards, double width, double height, const V3d& light)
+      : axis(UnitOrZero(towards)),
+        right(UnitOrZero(V3d(0, 1, 0).cross(axis))),
+        up(axis.cross(right)),
+        half_width(width),
+        half_height(height),
+        radiance(light) {}
 };
 
 const SoftBox kBoxes[] = {
@@ -27,14 +35,11 @@ double SmoothStep(double from, double to, double x) {
 }
 
 double ShareOf(const SoftBox& box, const V3d& direction) {
-  const V3d axis = UnitOrZero(box.towards);
-  const double along = direction.dot(axis);
+  const double along = direction.dot(box.axis);
   if (along <= 0.05) return 0;
-  const V3d right = UnitOrZero(V3d(0, 1, 0).cross(axis));
-  const V3d up = axis.cross(right);
   constexpr double kSoft = 0.12;
-  const double x = std::abs(direction.dot(right) / along);
-  const double y = std::abs(direction.dot(up) / along);
+  const double x = std::abs(direction.dot(box.right) / along);
+  const double y = std::abs(direction.dot(box.up) / along);
   return (1 - SmoothStep(box.half_width - kSoft, box.half_width + kSoft, x)) *
          (1 - SmoothStep(box.half_height - kSoft, box.half_height + kSoft, y));
 }

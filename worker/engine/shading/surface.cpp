@@ -48,9 +48,10 @@ V4d TextureAt(const Point& point, const TextureRef& reference, TextureEncoding e
   V2d uv = uv0 + point.weights[1] * along1 + point.weights[2] * along2;
   const TextureTransform& transform = reference.transform;
   if (!transform.IsIdentity()) {
-    uv = transform.offset + TurnedAndScaled(transform, uv);
-    along1 = TurnedAndScaled(transform, along1);
-    along2 = TurnedAndScaled(transform, along2);
+    const TurnAndScale turned(transform);
+    uv = transform.offset + turned(uv);
+    along1 = turned(along1);
+    along2 = turned(along2);
   }
   const Footprint& f = point.footprint;
   const Texture& texture = point.frame.scene->textures[size_t(reference.texture)];

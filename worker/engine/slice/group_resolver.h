@@ -79,7 +79,7 @@ class GroupResolver {
   void AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
                  const VisiblePieces& pieces, double t, const std::array<int64_t, kLanes>& weights,
                  const Placers& placers);
-  /// Appends a lane's segments, those entries of its list that `entries` tells with parts [begin, end).
+  /// The part [begin, end) of an entry of a lane's list.
   LayerCompositor::Span SpanOf(const SegmentLists& lists, int lane, int32_t entry, int32_t begin, int32_t end,
                                const Placers& placers);
   /// The lane's layers to layers_of_lane_; false if it has none.
