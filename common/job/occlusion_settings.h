@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+
+namespace shutterline {
+
+/// How much an occluder at distance d lets through, ρ(d) [gribel2011, equation 1], within the radius:
+/// nothing, d / radius, or (d / radius)². Beyond the radius all.
+enum class OcclusionFalloff { kNone, kLinear, kQuadratic };
+/// Hemisphere lines all through the pole, spread by a remapping; or tilted, of uniform density.
+enum class OcclusionPattern { kPole, kTilted };
+
+/// Ambient occlusion by line samples on the hemisphere [gribel2011, section 6].
+struct OcclusionSettings {
+  int lines = 16;  ///< A shading point, 1 to kMaxOcclusionLines.
+  /// Metres, finite and positive: what is farther away does not occlude. Unset: everything occludes;
+  /// `falloff` is then kNone.
+  std::optional<double> radius;
+  OcclusionFalloff falloff = OcclusionFalloff::kNone;
+  OcclusionPattern pattern = OcclusionPattern::kTilted;
+  /// The mean over the shutter, of occluders as they move past the moving point; else that of mid-shutter.
+  bool motion = true;
+
+  friend bool operator==(const OcclusionSettings&, const OcclusionSettings&) = default;
+};
+
+inline constexpr int kMaxOcclusionLines = 1024;
+
+}  // namespace shutterline
