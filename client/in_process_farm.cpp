@@ -9,6 +9,7 @@
 
 #include "common/base/status_macros.h"
 #include "server/config/config.h"
+#include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
 
 namespace shutterline::client {
@@ -27,7 +28,8 @@ absl::StatusOr<std::filesystem::path> MakeTemporaryFolder() {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads) {
+absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads,
+                                                                    uint64_t shading_cache_bytes) {
   std::unique_ptr<InProcessFarm> farm(new InProcessFarm);
   SL_ASSIGN_OR_RETURN(farm->folder_, MakeTemporaryFolder());
 
@@ -40,7 +42,11 @@ absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads)
   worker::WorkerOptions worker_options;
   worker_options.threads = threads;
   worker_options.cache_dir = farm->folder_ / "blobs";
-  farm->engine_ = std::make_unique<worker::EngineFrameRendererFactory>();
+  std::shared_ptr<engine::ShadingCache> cache;
+  if (shading_cache_bytes > 0) {
+    SL_ASSIGN_OR_RETURN(cache, engine::ShadingCache::Create(shading_cache_bytes));
+  }
+  farm->engine_ = std::make_unique<worker::EngineFrameRendererFactory>(std::move(cache));
   auto worker = worker::Worker::Start(farm->Channel(), worker_options, *farm->engine_);
   if (!worker.ok()) return Annotate(worker.status(), "start the worker in this process");
   farm->worker_ = *std::move(worker);

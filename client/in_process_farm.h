@@ -19,9 +19,10 @@ namespace shutterline::client {
 /// through the same services, queues and journals as on a farm; only the network is missing. Thread-safe.
 class InProcessFarm {
  public:
-  /// Starts both; `threads` render, 0: one for each processor. Nothing is listened on, so nobody else can
+  /// Starts both; `threads` render, 0: one for each processor, with a shading cache of so many bytes, 0: with
+  /// none. Nothing is listened on, so nobody else can
   /// reach it. The folder is made in the system's place for temporary files ($TMPDIR).
-  static absl::StatusOr<std::unique_ptr<InProcessFarm>> Start(int threads);
+  static absl::StatusOr<std::unique_ptr<InProcessFarm>> Start(int threads, uint64_t shading_cache_bytes);
   /// Stops the worker (waiting for the tiles that it is at), then the coordinator, and removes the folder.
   ~InProcessFarm();
   InProcessFarm(const InProcessFarm&) = delete;

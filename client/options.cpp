@@ -8,6 +8,7 @@
 
 #include "client/frame_range.h"
 #include "client/parse.h"
+#include "client/parse_outputs.h"
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 
@@ -136,7 +137,43 @@ void AddLightOptions(CLI::App& app, JobOptions& o) {
       AddValue(app, "--environment", "FILE.exr", "",
                "A picture of latitude and longitude that lights the scene\n(for --lighting auto and scene)",
                [&](const std::string& t) { return StoreName(t, o.environment, "a file's path"); });
-  for (CLI::Option* option : {lighting, ambient, environment}) option->group("Light");
+  auto* occlusion =
+      AddValue(app, "--ao", "on|KEY=VALUE,...", "off",
+               "Ambient occlusion: lines=16 (a point), radius=METRES,\nfalloff=none|linear|quadratic, "
+               "pattern=tilted|pole,\nmotion=on|off (over the shutter, or at its middle)",
+               [&](const std::string& t) { return Store(ParseOcclusion(t), s.occlusion); });
+  for (CLI::Option* option : {lighting, ambient, environment, occlusion}) option->group("Light");
+}
+
+void AddShadingOptions(CLI::App& app, JobOptions& o) {
+  RenderSettings& s = o.settings;
+  auto* rate = AddValue(
+      app, "--shading-rate", "R", "1",
+      "Shadings a pixel, along a side, of what moves or has\nambient occlusion", [&](const std::string& t) {
+        return Store(ParseReal(t, kMinShadingRate, kMaxShadingRate,
+                               absl::StrCat("a number from ", kMinShadingRate, " to ", kMaxShadingRate)),
+                     s.shading_rate);
+      });
+  rate->group("Method");
+  app.add_flag(
+         "--cache-propagate", s.cache_propagate,
+         "Let coarse shadings take over the first fine one: faster,\nbut pictures then depend on threads")
+      ->group("Experiments");
+}
+
+void AddOutputOptions(CLI::App& app, JobOptions& o) {
+  RenderSettings& s = o.settings;
+  auto* aovs = AddValue(app, "--aov", "NAME,...", "",
+                        "What else the EXR holds: depth, position, normal, motion,\nalbedo, ao, samples, "
+                        "object-id, material-id",
+                        [&](const std::string& t) { return Store(ParseAovs(t), s.aovs); });
+  auto* mattes = AddValue(app, "--cryptomatte", "object,material", "", "Cryptomattes, with exact coverage",
+                          [&](const std::string& t) { return Store(ParseMattes(t), s.mattes); });
+  auto* ranks =
+      AddValue(app, "--cryptomatte-ranks", "N", absl::StrCat(s.matte_ranks),
+               absl::StrCat("Ids that a pixel of a Cryptomatte names at most, 1 to ", kMaxMatteRanks),
+               [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxMatteRanks), s.matte_ranks); });
+  for (CLI::Option* option : {aovs, mattes, ranks}) option->group("Output");
 }
 
 void AddMethodOptions(CLI::App& app, JobOptions& o) {
@@ -281,7 +318,9 @@ void AddJobOptions(CLI::App& app, JobOptions& options) {
   AddPictureOptions(app, options);
   AddLightOptions(app, options);
   AddMethodOptions(app, options);
+  AddShadingOptions(app, options);
   AddExperimentOptions(app, options);
+  AddOutputOptions(app, options);
   AddFileOptions(app, options);
 }
 
@@ -305,6 +344,9 @@ absl::Status CheckJobOptions(JobOptions& options) {
   }
   // Who says how instants are placed does not want them placed by an error that nobody asked for.
   if ((options.time_step_given || s.time_samples) && !options.target_error_given) s.target_error.reset();
+  if (!s.mattes.empty() && options.output_settings.compression == ExrCompression::kDwaa) {
+    return absl::InvalidArgumentError("--compression dwaa: would damage the ids of --cryptomatte");
+  }
   options.output_settings.pixel_type = options.float_given ? PixelType::kFloat : PixelType::kHalf;
   return Validate(s);
 }

@@ -17,6 +17,8 @@ namespace shutterline::client {
 namespace {
 
 constexpr int kMaxThreads = 4096;
+constexpr int kDefaultCacheMb = 256;
+constexpr int64_t kMaxCacheMb = int64_t{1} << 24;
 
 class RenderCommand : public Command {
  public:
@@ -30,6 +32,17 @@ class RenderCommand : public Command {
                return absl::OkStatus();
              })
         ->group("Speed");
+    auto* cache_mb = AddValue(app, "--cache-mb", "N", absl::StrCat(kDefaultCacheMb),
+                              "Memory for shadings that many pixels share, MiB; no pixel\ndepends on it",
+                              [this](const std::string& text) {
+                                SL_ASSIGN_OR_RETURN(const int64_t mb, ParseWhole(text, 1, kMaxCacheMb));
+                                shading_cache_bytes_ = uint64_t(mb) << 20;
+                                return absl::OkStatus();
+                              });
+    auto* no_cache = app.add_flag("--no-shading-cache", no_shading_cache_, "Keep no shadings");
+    no_cache->excludes(cache_mb);
+    cache_mb->excludes(no_cache);
+    for (CLI::Option* option : {cache_mb, no_cache}) option->group("Speed");
     AddValue(app, "--log", "LEVEL", "warn",
              "What the renderer itself logs to standard error: trace,\ndebug, info, warn, error or off",
              [this](const std::string& text) {
@@ -64,7 +77,8 @@ class RenderCommand : public Command {
 
     Interrupt interrupt;
     const SignalInterrupt signals(interrupt);
-    SL_ASSIGN_OR_RETURN(const auto farm, InProcessFarm::Start(threads_));
+    SL_ASSIGN_OR_RETURN(const auto farm,
+                        InProcessFarm::Start(threads_, no_shading_cache_ ? 0 : shading_cache_bytes_));
     Connection::Options connection_options;
     connection_options.interrupt = &interrupt;
     Connection connection(farm->Channel(), "the renderer in this process", connection_options);
@@ -93,6 +107,8 @@ class RenderCommand : public Command {
 
   JobOptions options_;
   int threads_ = 0;  ///< 0: all processors.
+  uint64_t shading_cache_bytes_ = uint64_t{kDefaultCacheMb} << 20;
+  bool no_shading_cache_ = false;
   std::string log_level_ = "warn";
   bool json_ = false, quiet_ = false, stats_ = false;
 };

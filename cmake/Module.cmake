@@ -1,17 +1,31 @@
-# add_module(NAME n SRCS a.cpp ... HDRS a.h ... DEPS modules ... LIBS third parties ...)
+# add_module(NAME n [APART] SRCS a.cpp ... HDRS a.h ... DEPS modules ... LIBS third parties ...)
 #
 # DEPS name modules of ours, LIBS libraries of others; a module may include only its own headers and
 # those of its DEPS (not of their DEPS), which the `layers` test checks against the manifest written by
 # write_module_manifest(). A module usually is a folder; several may share one, because the manifest says
 # which file belongs to which module. Every source and header of ours belongs to exactly one.
 define_property(GLOBAL PROPERTY SHUTTERLINE_MODULES)
+
+# With SHUTTERLINE_UNITY several sources of a module are compiled at once, which halves the time of a whole build:
+# names in their unnamed namespaces must then differ, or the module says APART. It makes small changes slower to
+# build; off for those.
+option(SHUTTERLINE_UNITY "Compile several sources of a module at once" OFF)
+function(compile_together target)
+  if(SHUTTERLINE_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  endif()
+endfunction()
+
 function(add_module)
-  cmake_parse_arguments(M "" "NAME" "SRCS;HDRS;DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(M "APART" "NAME" "SRCS;HDRS;DEPS;LIBS" ${ARGN})
   if(M_SRCS)
     add_library(${M_NAME} STATIC ${M_SRCS} ${M_HDRS})
     target_include_directories(${M_NAME} PUBLIC "${PROJECT_SOURCE_DIR}")
     target_link_libraries(${M_NAME} PUBLIC ${M_DEPS} ${M_LIBS} PRIVATE shutterline_warnings)
     use_precompiled(${M_NAME})
+    if(NOT M_APART)
+      compile_together(${M_NAME})
+    endif()
   else()
     add_library(${M_NAME} INTERFACE ${M_HDRS})
     target_include_directories(${M_NAME} INTERFACE "${PROJECT_SOURCE_DIR}")

@@ -28,6 +28,7 @@
 #include "server/jobs/sqlite_job_store.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
+#include "worker/engine/scene/scene_names.h"
 
 namespace shutterline::server {
 namespace {
@@ -121,6 +122,9 @@ absl::Status Coordinator::Impl::OpenStores() {
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
   parts.identity = identity_;
   parts.check_scene = CheckSubmittedScene;
+  parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {
+    return engine::ReadMatteNames(BlobSceneSource(spec.scene, assets));
+  };
   farm_ = std::make_unique<Farm>(std::move(parts));
   return farm_->Resume();
 }

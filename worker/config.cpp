@@ -56,6 +56,7 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   config.worker.cache_dir = DefaultCacheDir();
   std::string cache_dir = config.worker.cache_dir.string();
   uint64_t cache_mb = config.worker.cache_bytes >> 20;
+  uint64_t shading_cache_mb = config.shading_cache_bytes >> 20;
 
   CLI::App app("Renders tiles for a Shutterline coordinator.", "shutterline-worker");
   app.footer(kFooter);
@@ -73,6 +74,13 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   app.add_option("--blob-cache-mb", cache_mb, "What the scene files may take of the disk, MiB")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32))
       ->capture_default_str();
+  CLI::Option* shading_cache =
+      app.add_option("--cache-mb", shading_cache_mb,
+                     "What shadings may take of the memory, MiB; no pixel depends on it")
+          ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 24))
+          ->capture_default_str();
+  bool no_shading_cache = false;
+  app.add_flag("--no-shading-cache", no_shading_cache, "Keep no shadings")->excludes(shading_cache);
   app.add_option("--name", config.worker.name, "How people know this worker (default HOST:PID)");
   app.add_option("--log-level", config.log_level, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
@@ -85,6 +93,7 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   }
   config.worker.cache_dir = cache_dir;
   config.worker.cache_bytes = cache_mb << 20;
+  config.shading_cache_bytes = no_shading_cache ? 0 : shading_cache_mb << 20;
   return config;
 }
 

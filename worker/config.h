@@ -7,11 +7,15 @@
 
 namespace shutterline::worker {
 
+/// Of shadings. Memory is taken as it is filled.
+inline constexpr uint64_t kDefaultShadingCacheBytes = uint64_t{256} << 20;
+
 /// What the command line of shutterline-worker says.
 struct Config {
   std::string coordinator;  ///< "HOST:PORT".
   std::string log_level = "info";
   WorkerOptions worker;
+  uint64_t shading_cache_bytes = kDefaultShadingCacheBytes;  ///< 0: none.
 };
 
 /// Reads the command line. Nothing where the program is to end at once, with `exit_code`: 0 after --help or

@@ -9,6 +9,7 @@
 
 #include "common/base/log.h"
 #include "worker/config.h"
+#include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
 #include "worker/session/channel.h"
 #include "worker/worker.h"
@@ -47,7 +48,16 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  worker::EngineFrameRendererFactory engine;
+  std::shared_ptr<engine::ShadingCache> cache;
+  if (config->shading_cache_bytes > 0) {
+    auto made = engine::ShadingCache::Create(config->shading_cache_bytes);
+    if (!made.ok()) {
+      std::fprintf(stderr, "shutterline-worker: %s\n", made.status().ToString().c_str());
+      return 1;
+    }
+    cache = *std::move(made);
+  }
+  worker::EngineFrameRendererFactory engine(cache);
   auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator), config->worker, engine);
   if (!worker.ok()) {
     std::fprintf(stderr, "shutterline-worker: %s\n", worker.status().ToString().c_str());

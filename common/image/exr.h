@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/image/image.h"
@@ -65,14 +66,15 @@ absl::StatusOr<Image> DecodeExr(absl::string_view bytes, const std::string& name
 absl::StatusOr<Image> ReadExr(const std::string& path, ExrMetadata* metadata = nullptr,
                               const ExrLimits& limits = {});
 
-/// A tiled EXR of kTileSize × kTileSize tiles, one level, all the image's channels in one pixel type.
+/// A tiled EXR of kTileSize × kTileSize tiles, one level, all the image's channels in one pixel type, but
+/// those that `exact` names, which are 32-bit floats in any case.
 ///
 /// Deterministic: equal arguments give equal bytes on machines of one instruction set (DWAA rounds as the
 /// machine's vector unit does). Half: finite values beyond ±65504 become ±65504, so that no finite picture
 /// turns infinite. INVALID_ARGUMENT where the image is empty, has no channel or twice the same, or where
 /// metadata breaks its rules. Takes memory of the file's size beside the image. Thread-safe.
 absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& output,
-                                      const ExrMetadata& metadata);
+                                      const ExrMetadata& metadata, std::span<const std::string> exact = {});
 
 /// EncodeExr into a file, atomically (see WriteFileAtomically).
 absl::Status WriteExr(const std::string& path, const Image& image, const OutputSettings& output,

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <set>
 #include <vector>
@@ -86,28 +87,49 @@ absl::Status PutMetadata(const ExrMetadata& metadata, Imf::Header& header) {
   return absl::OkStatus();
 }
 
+/// A channel as the file holds it, pixel-interleaved with the others.
+struct StoredChannel {
+  Imf::PixelType type;
+  size_t offset;  ///< Within a pixel, bytes.
+
+  size_t size() const { return type == Imf::HALF ? sizeof(half) : sizeof(float); }
+  void Store(float value, char* pixel) const {
+    const half rounded = type == Imf::HALF ? HalfOf(value) : half(0.0f);
+    const void* source = type == Imf::HALF ? static_cast<const void*>(&rounded) : &value;
+    std::memcpy(pixel + offset, source, size());
+  }
+};
+
+std::vector<StoredChannel> StoredChannelsOf(const Image& image, PixelType type,
+                                            std::span<const std::string> exact) {
+  std::vector<StoredChannel> stored;
+  size_t offset = 0;
+  for (const std::string& name : image.channels()) {
+    const bool full = type == PixelType::kFloat || std::find(exact.begin(), exact.end(), name) != exact.end();
+    stored.push_back({full ? Imf::FLOAT : Imf::HALF, offset});
+    offset += stored.back().size();
+  }
+  return stored;
+}
+
 /// Tiles are handed to the library a row at a time, in order and by one thread, so the order of their
-/// bytes is fixed and only one row is held in the file's pixel type.
-template <typename Value>
-void WriteTiles(const Image& image, Imf::PixelType type, Imf::TiledOutputFile& file) {
-  const size_t width = size_t(image.width()), channels = size_t(image.channel_count());
-  std::vector<Value> rows(width * size_t(kTileSize) * channels);
+/// bytes is fixed and only one row is held in the file's pixel types.
+void WriteTiles(const Image& image, const std::vector<StoredChannel>& stored, Imf::TiledOutputFile& file) {
+  const size_t width = size_t(image.width());
+  const size_t pixel_bytes = stored.back().offset + stored.back().size();
+  std::vector<char> rows(width * size_t(kTileSize) * pixel_bytes);
   for (int row = 0; row < file.numYTiles(0); ++row) {
     const int top = row * kTileSize;
-    const size_t count = size_t(std::min(kTileSize, image.height() - top)) * width * channels;
+    const size_t count = size_t(std::min(kTileSize, image.height() - top)) * width;
     const float* source = image.At(0, top);
     for (size_t i = 0; i < count; ++i) {
-      if constexpr (std::is_same_v<Value, half>) {
-        rows[i] = HalfOf(source[i]);
-      } else {
-        rows[i] = source[i];
-      }
+      for (const StoredChannel& channel : stored) channel.Store(*source++, &rows[i * pixel_bytes]);
     }
     Imf::FrameBuffer frame;
-    for (size_t c = 0; c < channels; ++c) {
+    for (size_t c = 0; c < stored.size(); ++c) {
       frame.insert(image.channels()[c],
-                   Imf::Slice::Make(type, &rows[c], Imath::V2i(0, top), image.width(), kTileSize,
-                                    channels * sizeof(Value), width * channels * sizeof(Value)));
+                   Imf::Slice::Make(stored[c].type, &rows[stored[c].offset], Imath::V2i(0, top),
+                                    image.width(), kTileSize, pixel_bytes, width * pixel_bytes));
     }
     file.setFrameBuffer(frame);
     file.writeTiles(0, file.numXTiles(0) - 1, row, row);
@@ -122,12 +144,14 @@ FrameRate FrameRateOf(double fps) {
 }
 
 absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& output,
-                                      const ExrMetadata& metadata) {
+                                      const ExrMetadata& metadata, std::span<const std::string> exact) {
   SL_RETURN_IF_ERROR(Annotate(CheckImage(image), "encode EXR"));
   try {
     Imf::Header header(image.width(), image.height());
-    const Imf::PixelType type = output.pixel_type == PixelType::kHalf ? Imf::HALF : Imf::FLOAT;
-    for (const std::string& name : image.channels()) header.channels().insert(name, Imf::Channel(type));
+    const std::vector<StoredChannel> stored = StoredChannelsOf(image, output.pixel_type, exact);
+    for (size_t c = 0; c < stored.size(); ++c) {
+      header.channels().insert(image.channels()[c], Imf::Channel(stored[c].type));
+    }
     header.compression() = LibraryCompression(output.compression);
     header.lineOrder() = Imf::INCREASING_Y;
     header.setTileDescription(Imf::TileDescription(kTileSize, kTileSize, Imf::ONE_LEVEL));
@@ -136,11 +160,7 @@ absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& 
     ExrMemoryOutput stream("memory");
     {
       Imf::TiledOutputFile file(stream, header, /*numThreads=*/0);
-      if (type == Imf::HALF) {
-        WriteTiles<half>(image, type, file);
-      } else {
-        WriteTiles<float>(image, type, file);
-      }
+      WriteTiles(image, stored, file);
     }  // The file is complete only once it is closed.
     if (stream.failed()) return absl::ResourceExhaustedError("encode EXR: out of memory");
     return stream.TakeBytes();

@@ -44,7 +44,7 @@ absl::Status CheckSameShape(const Image& a, absl::string_view a_name, const Imag
       absl::StrCat("compare: ", a_name, " is ", Shape(a), ", but ", b_name, " is ", Shape(b)));
 }
 
-absl::StatusOr<std::array<size_t, 3>> ColourChannels(const Image& image) {
+absl::StatusOr<std::array<size_t, 3>> PlacesOfColour(const Image& image) {
   if (image.width() < 1 || image.height() < 1) return absl::InvalidArgumentError("compare: empty pictures");
   std::array<size_t, 3> result{};
   const std::array<const char*, 3> wanted = {"R", "G", "B"};
@@ -63,7 +63,7 @@ absl::StatusOr<std::array<size_t, 3>> ColourChannels(const Image& image) {
 
 absl::StatusOr<Comparison> Compare(const Image& test, const Image& reference) {
   SL_RETURN_IF_ERROR(CheckSameShape(test, "the picture", reference, "the reference"));
-  SL_ASSIGN_OR_RETURN(const auto colours, ColourChannels(test));
+  SL_ASSIGN_OR_RETURN(const auto colours, PlacesOfColour(test));
   SL_RETURN_IF_ERROR(CheckFinite(test, "the picture"));
   SL_RETURN_IF_ERROR(CheckFinite(reference, "the reference"));
 
@@ -112,7 +112,7 @@ absl::StatusOr<UnbiasedError> MeasureUnbiasedError(const Image& test, const Imag
                                                    const Image& half_b, absl::Span<const uint8_t> mask) {
   SL_RETURN_IF_ERROR(CheckSameShape(test, "the picture", half_a, "reference half A"));
   SL_RETURN_IF_ERROR(CheckSameShape(test, "the picture", half_b, "reference half B"));
-  SL_ASSIGN_OR_RETURN(const auto colours, ColourChannels(test));
+  SL_ASSIGN_OR_RETURN(const auto colours, PlacesOfColour(test));
   SL_RETURN_IF_ERROR(CheckFinite(test, "the picture"));
   SL_RETURN_IF_ERROR(CheckFinite(half_a, "reference half A"));
   SL_RETURN_IF_ERROR(CheckFinite(half_b, "reference half B"));

@@ -17,6 +17,15 @@ std::string DescribeSettings(const RenderSettings& s) {
   if (s.ambient != std::array<double, 3>{0, 0, 0}) {
     absl::StrAppend(&text, " ambient=", s.ambient[0], ",", s.ambient[1], ",", s.ambient[2]);
   }
+  if (s.occlusion) {
+    absl::StrAppend(&text, " occlusion=", ToString(s.occlusion->pattern), ",lines:", s.occlusion->lines);
+    if (s.occlusion->radius) {
+      absl::StrAppend(&text, ",radius:", *s.occlusion->radius, ",falloff:", ToString(s.occlusion->falloff));
+    }
+    absl::StrAppend(&text, ",motion:", s.occlusion->motion ? "on" : "off");
+  }
+  if (s.shading_rate != 1) absl::StrAppend(&text, " shading_rate=", s.shading_rate);
+  if (s.cache_propagate) absl::StrAppend(&text, " cache_propagate=on");
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
     if (s.resolver == ResolverKind::kPaper) {

@@ -125,13 +125,16 @@ absl::Status Validate(const JobSpec& spec, const JobLimits& limits) {
   SL_RETURN_IF_ERROR(CheckName("render.camera", spec.render.camera, limits));
   SL_RETURN_IF_ERROR(CheckName("render.animation", spec.render.animation, limits));
   SL_RETURN_IF_ERROR(Validate(spec.render));
+  if (!spec.render.mattes.empty() && spec.output.compression == ExrCompression::kDwaa) {
+    return Invalid("output.compression", "dwaa would damage the ids of render.mattes: choose another");
+  }
   SL_RETURN_IF_ERROR(ValidateFrames(spec, limits));
   return ValidateScene(spec.scene, limits);
 }
 
 Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   CanonicalWriter writer;
-  writer.Text("shutterline picture 3");  // Changes with this encoding.
+  writer.Text("shutterline picture 4");  // Changes with this encoding.
   writer.Text(scene.root_name);
   std::vector<SceneFile> files = scene.files;
   std::sort(files.begin(), files.end(),
@@ -158,6 +161,14 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Signed(render.motion_pieces ? int64_t{*render.motion_pieces} : -1);
   writer.Text(ToString(render.lighting));
   for (const double radiance : render.ambient) writer.Real(radiance);
+  writer.Number(render.occlusion ? 1 : 0);
+  if (render.occlusion) {
+    writer.Signed(render.occlusion->lines);
+    writer.Real(render.occlusion->radius.value_or(-1));
+    writer.Text(ToString(render.occlusion->falloff));
+    writer.Text(ToString(render.occlusion->pattern));
+    writer.Number(render.occlusion->motion ? 1 : 0);
+  }
   writer.Text(ToString(render.integrator));
   writer.Text(ToString(render.pattern));
   writer.Text(ToString(render.resolver));
@@ -168,6 +179,13 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Signed(render.spp);
   writer.Number(render.seed);
   writer.Text(ToString(render.reference_layout));
+  writer.Real(render.shading_rate);
+  writer.Number(render.cache_propagate ? 1 : 0);
+  writer.Number(render.aovs.size());
+  for (const Aov aov : render.aovs) writer.Text(ToString(aov));
+  writer.Number(render.mattes.size());
+  for (const Matte matte : render.mattes) writer.Text(ToString(matte));
+  writer.Signed(render.matte_ranks);
   return writer.Finish();
 }
 

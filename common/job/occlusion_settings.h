@@ -13,8 +13,8 @@ enum class OcclusionPattern { kPole, kTilted };
 /// Ambient occlusion by line samples on the hemisphere [gribel2011, section 6].
 struct OcclusionSettings {
   int lines = 16;  ///< A shading point, 1 to kMaxOcclusionLines.
-  /// Metres, finite and positive: what is farther away does not occlude. Unset: everything occludes;
-  /// `falloff` is then kNone.
+  /// Metres, kMinOcclusionRadius to kMaxOcclusionRadius: what is farther away does not occlude. Unset:
+  /// everything occludes; `falloff` is then kNone.
   std::optional<double> radius;
   OcclusionFalloff falloff = OcclusionFalloff::kNone;
   OcclusionPattern pattern = OcclusionPattern::kTilted;
@@ -25,5 +25,7 @@ struct OcclusionSettings {
 };
 
 inline constexpr int kMaxOcclusionLines = 1024;
+inline constexpr double kMinOcclusionRadius = 1e-12;
+inline constexpr double kMaxOcclusionRadius = 1e12;
 
 }  // namespace shutterline

@@ -34,6 +34,21 @@ constexpr Words<LightingKind, 4> kLightings{{{LightingKind::kAuto, "auto"},
                                              {LightingKind::kScene, "scene"},
                                              {LightingKind::kStudio, "studio"},
                                              {LightingKind::kHeadlight, "headlight"}}};
+constexpr Words<OcclusionFalloff, 3> kFalloffs{{{OcclusionFalloff::kNone, "none"},
+                                                {OcclusionFalloff::kLinear, "linear"},
+                                                {OcclusionFalloff::kQuadratic, "quadratic"}}};
+constexpr Words<OcclusionPattern, 2> kOcclusionPatterns{
+    {{OcclusionPattern::kPole, "pole"}, {OcclusionPattern::kTilted, "tilted"}}};
+constexpr Words<Aov, 9> kAovs{{{Aov::kDepth, "depth"},
+                               {Aov::kPosition, "position"},
+                               {Aov::kNormal, "normal"},
+                               {Aov::kMotion, "motion"},
+                               {Aov::kAlbedo, "albedo"},
+                               {Aov::kAmbientOcclusion, "ao"},
+                               {Aov::kSamples, "samples"},
+                               {Aov::kObjectId, "object-id"},
+                               {Aov::kMaterialId, "material-id"}}};
+constexpr Words<Matte, 2> kMattes{{{Matte::kObject, "object"}, {Matte::kMaterial, "material"}}};
 constexpr Words<PixelType, 2> kPixelTypes{{{PixelType::kHalf, "half"}, {PixelType::kFloat, "float"}}};
 constexpr Words<ExrCompression, 4> kCompressions{{{ExrCompression::kNone, "none"},
                                                   {ExrCompression::kZip, "zip"},
@@ -87,6 +102,32 @@ absl::Status ValidateShutterCurve(const std::vector<ShutterPoint>& curve) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateOcclusion(const OcclusionSettings& s) {
+  if (s.lines < 1 || s.lines > kMaxOcclusionLines) {
+    return OutOfRange("occlusion.lines", s.lines, absl::StrCat("1 to ", kMaxOcclusionLines));
+  }
+  if (s.radius && !(*s.radius >= kMinOcclusionRadius && *s.radius <= kMaxOcclusionRadius)) {
+    return OutOfRange("occlusion.radius", *s.radius,
+                      absl::StrCat(kMinOcclusionRadius, " to ", kMaxOcclusionRadius, " metres"));
+  }
+  if (!s.radius && s.falloff != OcclusionFalloff::kNone) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("render settings: occlusion.falloff ", ToString(s.falloff), " needs occlusion.radius"));
+  }
+  return absl::OkStatus();
+}
+
+template <typename Enum>
+absl::Status ValidateSet(absl::string_view field, const std::vector<Enum>& set) {
+  for (size_t i = 0; i < set.size(); ++i) {
+    if (ToString(set[i]) == "unknown" || (i > 0 && !(set[i - 1] < set[i]))) {
+      return absl::InvalidArgumentError(absl::StrCat("render settings: ", field, "[", i,
+                                                     "]: must be known, and greater than the one before"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Validate(const RenderSettings& s) {
@@ -118,6 +159,18 @@ absl::Status Validate(const RenderSettings& s) {
     if (!(radiance >= 0 && radiance <= kMaxAmbient)) {
       return OutOfRange("ambient", radiance, absl::StrCat("0 to ", kMaxAmbient));
     }
+  }
+  if (s.occlusion) SL_RETURN_IF_ERROR(ValidateOcclusion(*s.occlusion));
+  if (!(s.shading_rate >= kMinShadingRate && s.shading_rate <= kMaxShadingRate)) {
+    return OutOfRange("shading_rate", s.shading_rate, absl::StrCat(kMinShadingRate, " to ", kMaxShadingRate));
+  }
+  SL_RETURN_IF_ERROR(ValidateSet("aovs", s.aovs));
+  if (!s.occlusion && std::find(s.aovs.begin(), s.aovs.end(), Aov::kAmbientOcclusion) != s.aovs.end()) {
+    return absl::InvalidArgumentError("render settings: aovs: ao needs occlusion");
+  }
+  SL_RETURN_IF_ERROR(ValidateSet("mattes", s.mattes));
+  if (s.matte_ranks < 1 || s.matte_ranks > kMaxMatteRanks) {
+    return OutOfRange("matte_ranks", s.matte_ranks, absl::StrCat("1 to ", kMaxMatteRanks));
   }
   if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
     return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");
@@ -153,6 +206,18 @@ absl::string_view ToString(ResolverKind kind) {
 absl::string_view ToString(LightingKind kind) {
   return WordOf(kLightings, kind);
 }
+absl::string_view ToString(OcclusionFalloff falloff) {
+  return WordOf(kFalloffs, falloff);
+}
+absl::string_view ToString(OcclusionPattern pattern) {
+  return WordOf(kOcclusionPatterns, pattern);
+}
+absl::string_view ToString(Aov aov) {
+  return WordOf(kAovs, aov);
+}
+absl::string_view ToString(Matte matte) {
+  return WordOf(kMattes, matte);
+}
 absl::string_view ToString(PixelType type) {
   return WordOf(kPixelTypes, type);
 }
@@ -173,6 +238,18 @@ std::optional<ResolverKind> ParseResolver(absl::string_view word) {
 }
 std::optional<LightingKind> ParseLighting(absl::string_view word) {
   return ValueOf(kLightings, word);
+}
+std::optional<OcclusionFalloff> ParseOcclusionFalloff(absl::string_view word) {
+  return ValueOf(kFalloffs, word);
+}
+std::optional<OcclusionPattern> ParseOcclusionPattern(absl::string_view word) {
+  return ValueOf(kOcclusionPatterns, word);
+}
+std::optional<Aov> ParseAov(absl::string_view word) {
+  return ValueOf(kAovs, word);
+}
+std::optional<Matte> ParseMatte(absl::string_view word) {
+  return ValueOf(kMattes, word);
 }
 std::optional<PixelType> ParsePixelType(absl::string_view word) {
   return ValueOf(kPixelTypes, word);

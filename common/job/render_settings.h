@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "common/job/occlusion_settings.h"
+
 namespace shutterline {
 
 enum class IntegratorKind { kLine, kReference, kStochastic };
@@ -19,6 +21,20 @@ enum class PatternKind { kAuto, k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
 /// kAuto: the scene's own lights, or, where it has none, the studio.
 enum class LightingKind { kAuto, kScene, kStudio, kHeadlight };
+/// What a frame may hold beside its colour: see docs/formats.md for the channels and what they mean.
+enum class Aov {
+  kDepth,
+  kPosition,
+  kNormal,
+  kMotion,
+  kAlbedo,
+  kAmbientOcclusion,
+  kSamples,
+  kObjectId,
+  kMaterialId,
+};
+/// What Cryptomatte makes mattes of.
+enum class Matte { kObject, kMaterial };
 enum class PixelType { kHalf, kFloat };
 enum class ExrCompression { kNone, kZip, kPiz, kDwaa };
 
@@ -65,6 +81,8 @@ struct RenderSettings {
   /// Radiance that comes from everywhere, beside `lighting`: red, green and blue, 0 to kMaxAmbient. A head
   /// light is alone all the same.
   std::array<double, 3> ambient{0, 0, 0};
+  /// Dims `ambient` and what the surroundings give by how much of them a point sees. Unset: it sees all.
+  std::optional<OcclusionSettings> occlusion;
 
   // --- Method ------------------------------------------------------------------------------------
   IntegratorKind integrator = IntegratorKind::kLine;
@@ -89,6 +107,22 @@ struct RenderSettings {
   /// Reference integrator: whether each ray has a time of its own, or all pixels share `spp` instants, which
   /// is faster, but couples the errors of neighbours.
   ReferenceLayout reference_layout = ReferenceLayout::kMotionBvh;
+
+  // --- Shading -----------------------------------------------------------------------------------
+  /// What moves, and what has ambient occlusion, is shaded at the centres of texels of its triangles, each
+  /// once (docs/math/shading_cache.md): so many texels a pixel, along a side, kMinShadingRate to
+  /// kMaxShadingRate.
+  double shading_rate = 1;
+  /// For experiments: a texel takes over the first shading that came anywhere within it, as in [gribel2011,
+  /// appendix B]. Cheaper; but then pictures depend on which thread comes first.
+  bool cache_propagate = false;
+
+  // --- Outputs -----------------------------------------------------------------------------------
+  std::vector<Aov> aovs;      ///< Ascending, each at most once.
+  std::vector<Matte> mattes;  ///< Likewise: a Cryptomatte of each.
+  /// Cryptomatte: the most objects (or materials) that a pixel names, 1 to kMaxMatteRanks. What is more is
+  /// left out and counted by RenderStats::matte_overflows.
+  int matte_ranks = 6;
 
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
@@ -115,6 +149,9 @@ inline constexpr double kMaxAmbient = 1e6;
 inline constexpr double kMaxShutterOpening = 1e6;
 inline constexpr size_t kMaxShutterPoints = 64;
 inline constexpr int kMaxSpp = 1 << 20;
+inline constexpr double kMinShadingRate = 1.0 / 64;
+inline constexpr double kMaxShadingRate = 16;
+inline constexpr int kMaxMatteRanks = 32;
 
 /// INVALID_ARGUMENT naming the field, its value and its range, unless every field is within its range and no
 /// two are set that exclude each other. Settings of a method that is not used may have any value of their
@@ -128,6 +165,10 @@ absl::string_view ToString(ReferenceLayout layout);
 absl::string_view ToString(PatternKind kind);
 absl::string_view ToString(ResolverKind kind);
 absl::string_view ToString(LightingKind kind);
+absl::string_view ToString(OcclusionFalloff falloff);
+absl::string_view ToString(OcclusionPattern pattern);
+absl::string_view ToString(Aov aov);
+absl::string_view ToString(Matte matte);
 absl::string_view ToString(PixelType type);
 absl::string_view ToString(ExrCompression compression);
 std::optional<IntegratorKind> ParseIntegrator(absl::string_view word);
@@ -135,6 +176,10 @@ std::optional<ReferenceLayout> ParseReferenceLayout(absl::string_view word);
 std::optional<PatternKind> ParsePattern(absl::string_view word);
 std::optional<ResolverKind> ParseResolver(absl::string_view word);
 std::optional<LightingKind> ParseLighting(absl::string_view word);
+std::optional<OcclusionFalloff> ParseOcclusionFalloff(absl::string_view word);
+std::optional<OcclusionPattern> ParseOcclusionPattern(absl::string_view word);
+std::optional<Aov> ParseAov(absl::string_view word);
+std::optional<Matte> ParseMatte(absl::string_view word);
 std::optional<PixelType> ParsePixelType(absl::string_view word);
 std::optional<ExrCompression> ParseExrCompression(absl::string_view word);
 

@@ -18,6 +18,11 @@ struct RenderStats {
   int64_t segments = 0;             ///< Triangle segments made on lines.
   int64_t spans = 0;                ///< Visible spans.
   int64_t pairs = 0;                ///< (triangle, pixel) pairs shaded.
+  int64_t shading_requests = 0;     ///< Of texels' colours.
+  int64_t shading_hits = 0;         ///< Requests that the cache held the answer to.
+  int64_t duplicate_shadings = 0;   ///< Texels shaded twice, by two threads at once.
+  int64_t cache_overflows = 0;      ///< Texels for which the cache had no room.
+  int64_t matte_overflows = 0;      ///< Pixels with more ids than a matte has ranks.
   double cull_seconds = 0;
   double setup_seconds = 0;
   double resolve_seconds = 0;
@@ -50,6 +55,11 @@ inline constexpr RenderStatsField<int64_t> kRenderCounts[] = {
     {&RenderStats::segments, "segments", "segments"},
     {&RenderStats::spans, "spans", "visible spans"},
     {&RenderStats::pairs, "pairs", "shaded pairs"},
+    {&RenderStats::shading_requests, "shading_requests", "texels asked for"},
+    {&RenderStats::shading_hits, "shading_hits", "texels found"},
+    {&RenderStats::duplicate_shadings, "duplicate_shadings", "texels shaded twice"},
+    {&RenderStats::cache_overflows, "cache_overflows", "texels not kept"},
+    {&RenderStats::matte_overflows, "matte_overflows", "mattes cut off"},
 };
 inline constexpr RenderStatsField<double> kRenderSeconds[] = {
     {&RenderStats::cull_seconds, "cull_seconds", "cull"},

@@ -36,6 +36,24 @@ constexpr Pairs<LightingKind, v1::Lighting, 4> kLightings{
      {LightingKind::kScene, v1::LIGHTING_SCENE},
      {LightingKind::kStudio, v1::LIGHTING_STUDIO},
      {LightingKind::kHeadlight, v1::LIGHTING_HEADLIGHT}}};
+constexpr Pairs<OcclusionFalloff, v1::OcclusionFalloff, 3> kFalloffs{
+    {{OcclusionFalloff::kNone, v1::OCCLUSION_FALLOFF_NONE},
+     {OcclusionFalloff::kLinear, v1::OCCLUSION_FALLOFF_LINEAR},
+     {OcclusionFalloff::kQuadratic, v1::OCCLUSION_FALLOFF_QUADRATIC}}};
+constexpr Pairs<OcclusionPattern, v1::OcclusionPattern, 2> kOcclusionPatterns{
+    {{OcclusionPattern::kPole, v1::OCCLUSION_PATTERN_POLE},
+     {OcclusionPattern::kTilted, v1::OCCLUSION_PATTERN_TILTED}}};
+constexpr Pairs<Aov, v1::Aov, 9> kAovs{{{Aov::kDepth, v1::AOV_DEPTH},
+                                        {Aov::kPosition, v1::AOV_POSITION},
+                                        {Aov::kNormal, v1::AOV_NORMAL},
+                                        {Aov::kMotion, v1::AOV_MOTION},
+                                        {Aov::kAlbedo, v1::AOV_ALBEDO},
+                                        {Aov::kAmbientOcclusion, v1::AOV_AMBIENT_OCCLUSION},
+                                        {Aov::kSamples, v1::AOV_SAMPLES},
+                                        {Aov::kObjectId, v1::AOV_OBJECT_ID},
+                                        {Aov::kMaterialId, v1::AOV_MATERIAL_ID}}};
+constexpr Pairs<Matte, v1::Matte, 2> kMattes{
+    {{Matte::kObject, v1::MATTE_OBJECT}, {Matte::kMaterial, v1::MATTE_MATERIAL}}};
 constexpr Pairs<PixelType, v1::PixelType, 2> kPixelTypes{
     {{PixelType::kHalf, v1::PIXEL_TYPE_HALF}, {PixelType::kFloat, v1::PIXEL_TYPE_FLOAT}}};
 constexpr Pairs<ExrCompression, v1::Compression, 4> kCompressions{
@@ -69,6 +87,44 @@ absl::StatusOr<Ours> In(const Pairs<Ours, Theirs, N>& pairs, Theirs value, absl:
       number == 0 ? std::string("is not specified") : absl::StrCat("value ", number, " is not known")));
 }
 
+/// A set of enumerators. More than there are kinds are refused before they are copied.
+template <typename Ours, typename Theirs, size_t N>
+absl::StatusOr<std::vector<Ours>> In(const Pairs<Ours, Theirs, N>& pairs,
+                                     const google::protobuf::RepeatedField<int>& values,
+                                     absl::string_view parent, absl::string_view field) {
+  if (size_t(values.size()) > N) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(Join(parent, field), ": has ", values.size(), " entries, but there are ", N, " kinds"));
+  }
+  std::vector<Ours> set;
+  for (int i = 0; i < values.size(); ++i) {
+    SL_ASSIGN_OR_RETURN(const Ours value,
+                        In(pairs, static_cast<Theirs>(values[i]), parent, absl::StrCat(field, "[", i, "]")));
+    set.push_back(value);
+  }
+  return set;
+}
+
+v1::OcclusionSettings ToProto(const OcclusionSettings& s) {
+  v1::OcclusionSettings m;
+  m.set_lines(s.lines);
+  if (s.radius) m.set_radius(*s.radius);
+  m.set_falloff(Out(kFalloffs, s.falloff));
+  m.set_pattern(Out(kOcclusionPatterns, s.pattern));
+  m.set_motion(s.motion);
+  return m;
+}
+
+absl::StatusOr<OcclusionSettings> FromProto(const v1::OcclusionSettings& m, absl::string_view field) {
+  OcclusionSettings s;
+  s.lines = m.lines();
+  if (m.has_radius()) s.radius = m.radius();
+  SL_ASSIGN_OR_RETURN(s.falloff, In(kFalloffs, m.falloff(), field, "falloff"));
+  SL_ASSIGN_OR_RETURN(s.pattern, In(kOcclusionPatterns, m.pattern(), field, "pattern"));
+  s.motion = m.motion();
+  return s;
+}
+
 }  // namespace
 
 v1::Digest ToProto(const Digest& digest) {
@@ -100,6 +156,12 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_ambient_red(s.ambient[0]);
   m.set_ambient_green(s.ambient[1]);
   m.set_ambient_blue(s.ambient[2]);
+  if (s.occlusion) *m.mutable_occlusion() = ToProto(*s.occlusion);
+  m.set_shading_rate(s.shading_rate);
+  m.set_cache_propagate(s.cache_propagate);
+  for (const Aov aov : s.aovs) m.add_aovs(Out(kAovs, aov));
+  for (const Matte matte : s.mattes) m.add_mattes(Out(kMattes, matte));
+  m.set_matte_ranks(s.matte_ranks);
   m.set_time_step(s.time_step);
   if (s.time_samples) m.set_time_samples(*s.time_samples);
   if (s.target_error) m.set_target_error(*s.target_error);
@@ -172,6 +234,14 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
   SL_ASSIGN_OR_RETURN(s.lighting, In(kLightings, m.lighting(), field, "lighting"));
   s.ambient = {m.ambient_red(), m.ambient_green(), m.ambient_blue()};
+  if (m.has_occlusion()) {
+    SL_ASSIGN_OR_RETURN(s.occlusion, FromProto(m.occlusion(), Join(field, "occlusion")));
+  }
+  s.shading_rate = m.shading_rate();
+  s.cache_propagate = m.cache_propagate();
+  SL_ASSIGN_OR_RETURN(s.aovs, In(kAovs, m.aovs(), field, "aovs"));
+  SL_ASSIGN_OR_RETURN(s.mattes, In(kMattes, m.mattes(), field, "mattes"));
+  s.matte_ranks = m.matte_ranks();
   s.time_step = m.time_step();
   if (m.has_time_samples()) s.time_samples = m.time_samples();
   s.target_error = m.has_target_error() ? std::optional(m.target_error()) : std::nullopt;

@@ -193,8 +193,8 @@ absl::StatusOr<TileReport> TakeReport(v1::TileResult& result) {
       report.stats, convert::FromProto(result.stats(), absl::StrCat("tiles: the result of tile ", report.tile,
                                                                     " of frame ", report.frame, ": stats")));
   switch (result.what_case()) {
-    case v1::TileResult::kRgba:
-      report.rgba = std::move(*result.mutable_rgba());
+    case v1::TileResult::kPixels:
+      report.pixels = std::move(*result.mutable_pixels());
       return report;
     case v1::TileResult::kFailure: {
       report.failed = true;
@@ -207,7 +207,7 @@ absl::StatusOr<TileReport> TakeReport(v1::TileResult& result) {
       break;
   }
   return absl::InvalidArgumentError(absl::StrCat("tiles: the result of tile ", report.tile, " of frame ",
-                                                 report.frame, " has neither rgba nor failure"));
+                                                 report.frame, " has neither pixels nor failure"));
 }
 
 }  // namespace shutterline::server

@@ -23,7 +23,7 @@ absl::Status ResultsReactor::Handle() {
   size_t bytes = 0;
   for (v1::TileResult& result : *incoming_.mutable_tiles()) {
     SL_ASSIGN_OR_RETURN(TileReport report, TakeReport(result));
-    bytes += report.rgba.size();
+    bytes += report.pixels.size();
     reports.push_back(std::move(report));
   }
   {

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstring>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
@@ -12,6 +14,7 @@
 #include "common/image/exr.h"
 #include "common/image/image.h"
 #include "common/job/describe_settings.h"
+#include "common/job/output_channels.h"
 #include "common/job/tile.h"
 
 namespace shutterline::server {
@@ -19,28 +22,35 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles travel and lie as little-endian floats");
 
-void Paste(absl::string_view rgba, const TileRect& rect, Image& image) {
-  const size_t row_bytes = size_t(rect.width) * 4 * sizeof(float);
+void Paste(absl::string_view pixels, const TileRect& rect, Image& image) {
+  const size_t row_bytes = size_t(rect.width) * size_t(image.channel_count()) * sizeof(float);
   for (int y = 0; y < rect.height; ++y) {
-    std::memcpy(image.At(rect.x, rect.y + y), rgba.data() + size_t(y) * row_bytes, row_bytes);
+    std::memcpy(image.At(rect.x, rect.y + y), pixels.data() + size_t(y) * row_bytes, row_bytes);
   }
 }
 
 absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                        const JobSpec& spec, const std::string& path) {
+                                        const JobSpec& spec, const MatteNamesSource& names_source,
+                                        const std::string& path) {
   const TileGrid grid{spec.render.width, spec.render.height};
-  Image image(grid.width, grid.height);
+  std::vector<std::string> names, exact;
+  for (OutputChannel& channel : OutputChannelsOf(spec.render)) {
+    if (channel.exact) exact.push_back(channel.name);
+    names.push_back(std::move(channel.name));
+  }
+  const size_t pixel_bytes = names.size() * sizeof(float);
+  Image image(grid.width, grid.height, std::move(names));
   AssembledFrame result;
   for (int tile = 0; tile < grid.Count(); ++tile) {
     const TileRect rect = grid.Rect(tile);
-    const absl::StatusOr<std::string> rgba = journal.Read({key.first, key.second, uint32_t(tile)});
-    if (!rgba.ok() && !absl::IsDataLoss(rgba.status()) && !absl::IsNotFound(rgba.status()))
-      return rgba.status();
-    if (!rgba.ok() || rgba->size() != size_t(rect.Area()) * 4 * sizeof(float)) {
+    const absl::StatusOr<std::string> pixels = journal.Read({key.first, key.second, uint32_t(tile)});
+    if (!pixels.ok() && !absl::IsDataLoss(pixels.status()) && !absl::IsNotFound(pixels.status()))
+      return pixels.status();
+    if (!pixels.ok() || pixels->size() != size_t(rect.Area()) * pixel_bytes) {
       result.lost_tiles.push_back(uint32_t(tile));
       continue;
     }
-    Paste(*rgba, rect, image);
+    Paste(*pixels, rect, image);
   }
   if (!result.lost_tiles.empty()) return result;
 
@@ -50,7 +60,15 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
   metadata.strings["shutterline:frame"] = absl::StrCat(spec.frames.Frame(key.second));
   metadata.strings["shutterline:scene"] = spec.scene.root_name;
   metadata.strings["shutterline:settings"] = DescribeSettings(spec.render);
-  SL_ASSIGN_OR_RETURN(const std::string bytes, EncodeExr(image, spec.output, metadata));
+  if (!spec.render.mattes.empty()) {
+    SL_ASSIGN_OR_RETURN(const MatteNames matte_names, names_source());
+    for (const Matte matte : spec.render.mattes) {
+      AddMatteMetadata(MatteName(matte),
+                       matte == Matte::kObject ? matte_names.objects : matte_names.materials,
+                       metadata.strings);
+    }
+  }
+  SL_ASSIGN_OR_RETURN(const std::string bytes, EncodeExr(image, spec.output, metadata, exact));
   SL_RETURN_IF_ERROR(WriteFileAtomically(path, bytes));
   result.digest = Sha256(bytes);
   result.size = bytes.size();
@@ -60,9 +78,10 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 }  // namespace
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const std::string& path) {
+                                             const JobSpec& spec, const MatteNamesSource& names,
+                                             const std::string& path) {
   try {
-    return Assemble(journal, key, spec, path);
+    return Assemble(journal, key, spec, names, path);
   } catch (const std::bad_alloc&) {
     // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
     return absl::ResourceExhaustedError(absl::StrCat(

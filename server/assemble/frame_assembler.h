@@ -3,10 +3,12 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "common/asset/digest.h"
+#include "common/cryptomatte/cryptomatte.h"
 #include "common/job/job_spec.h"
 #include "server/assemble/tile_journal.h"
 
@@ -20,9 +22,13 @@ struct AssembledFrame {
   std::vector<uint32_t> lost_tiles;
 };
 
+/// Tells what a job's mattes are named after.
+using MatteNamesSource = std::function<absl::StatusOr<MatteNames>()>;
+
 /// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and durably.
-/// Equal tiles give equal bytes. Thread-safe for different frames.
+/// `names` is asked if the job has mattes. Equal tiles give equal bytes. Thread-safe for different frames.
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const std::string& path);
+                                             const JobSpec& spec, const MatteNamesSource& names,
+                                             const std::string& path);
 
 }  // namespace shutterline::server

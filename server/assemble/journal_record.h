@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/asset/digest.h"
+#include "common/job/output_channels.h"
 #include "common/job/tile.h"
 
 namespace shutterline::server {
@@ -21,15 +22,15 @@ struct TileAddress {
 /// A journal record, as a segment's file holds it after its 8-byte head, all numbers little-endian:
 ///
 ///     record := length:u32 crc:u32 body        length = bytes of body, crc = CRC-32C of body
-///     body   := job:u64 frame:u32 tile:u32 sha256[32] rgba...
+///     body   := job:u64 frame:u32 tile:u32 sha256[32] pixels...
 inline constexpr char kJournalHead[] = "SLTILES1";
 inline constexpr size_t kJournalHeadBytes = 8;
 inline constexpr size_t kRecordHeadBytes = 8;
 inline constexpr size_t kBodyHeadBytes = 8 + 4 + 4 + 32;
-inline constexpr size_t kMaxRgbaBytes = size_t{16} * kTileSize * kTileSize;
+inline constexpr size_t kMaxPixelBytes = sizeof(float) * kMaxOutputChannels * kTileSize * kTileSize;
 
-/// Appends a record to `out`; `rgba` starts at the returned position in it.
-size_t AppendRecord(const TileAddress& address, const Digest& digest, absl::string_view rgba,
+/// Appends a record to `out`; `pixels` starts at the returned position in it.
+size_t AppendRecord(const TileAddress& address, const Digest& digest, absl::string_view pixels,
                     std::string& out);
 
 struct ParsedRecord {
@@ -39,7 +40,7 @@ struct ParsedRecord {
   size_t bytes = 0;  ///< Of the whole record, unless it is torn.
   TileAddress address;
   Digest digest;
-  absl::string_view rgba;  ///< Into the parsed text.
+  absl::string_view pixels;  ///< Into the parsed text.
 };
 
 /// The record at the start of `text`, which is what the file holds from there on.

@@ -43,8 +43,8 @@ absl::Status TileJournal::Recover(uint64_t segment) {
       const ParsedRecord record = ParseRecord(text.substr(at));
       if (record.state == ParsedRecord::State::kTorn) break;
       if (record.state == ParsedRecord::State::kWhole) {
-        const uint64_t offset = uint64_t(record.rgba.data() - text.data());
-        Insert(record.address, {segment, offset, uint32_t(record.rgba.size()), record.digest});
+        const uint64_t offset = uint64_t(record.pixels.data() - text.data());
+        Insert(record.address, {segment, offset, uint32_t(record.pixels.size()), record.digest});
         ++whole;
       } else {
         ++damaged;
@@ -66,15 +66,15 @@ void TileJournal::Insert(const TileAddress& address, const Place& place) {
 }
 
 TileJournal::Outcome TileJournal::Stage(const TileAddress& address, const Digest& digest,
-                                        absl::string_view rgba) {
-  SL_CHECK(rgba.size() <= kMaxRgbaBytes);
+                                        absl::string_view pixels) {
+  SL_CHECK(pixels.size() <= kMaxPixelBytes);
   const std::pair<FrameKey, uint32_t> key{{address.job, address.frame}, address.tile};
   std::optional<Digest> before = Find(address);
   const auto staged = staged_digests_.find(key);
   if (!before && staged != staged_digests_.end()) before = staged->second;
   if (before) return *before == digest ? Outcome::kDuplicate : Outcome::kMismatch;
-  const size_t position = AppendRecord(address, digest, rgba, staged_bytes_);
-  staged_.emplace_back(address, Place{0, position, uint32_t(rgba.size()), digest});
+  const size_t position = AppendRecord(address, digest, pixels, staged_bytes_);
+  staged_.emplace_back(address, Place{0, position, uint32_t(pixels.size()), digest});
   staged_digests_.emplace(key, digest);
   return Outcome::kStaged;
 }
@@ -155,8 +155,8 @@ absl::StatusOr<std::string> TileJournal::Read(const TileAddress& address) const 
     place = frame->second.at(address.tile);
   }
   SL_ASSIGN_OR_RETURN(const File file, File::OpenToRead(SegmentPath(place.segment)));
-  SL_ASSIGN_OR_RETURN(std::string rgba, file.ReadAt(place.offset, place.size));
-  if (rgba.size() == place.size && Sha256(rgba) == place.digest) return rgba;
+  SL_ASSIGN_OR_RETURN(std::string pixels, file.ReadAt(place.offset, place.size));
+  if (pixels.size() == place.size && Sha256(pixels) == place.digest) return pixels;
   return absl::DataLossError(absl::StrCat("journal: tile ", address.tile, " is damaged in ", file.path()));
 }
 

@@ -39,8 +39,8 @@ class TileJournal {
   static absl::StatusOr<std::unique_ptr<TileJournal>> Open(const std::string& folder, const Options& options);
 
   /// Notes a tile for the next Commit, unless it is there already, with the same pixels (kDuplicate) or with
-  /// others (kMismatch: the first are kept). `rgba` has at most kMaxRgbaBytes.
-  Outcome Stage(const TileAddress& address, const Digest& digest, absl::string_view rgba);
+  /// others (kMismatch: the first are kept). `pixels` has at most kMaxPixelBytes.
+  Outcome Stage(const TileAddress& address, const Digest& digest, absl::string_view pixels);
   /// Makes what is staged durable and visible. On failure none of it is, and staging starts anew.
   absl::Status Commit();
 

@@ -55,7 +55,7 @@ struct TileReport {
   int frame = 0;  ///< The frame's number.
   uint32_t tile = 0;
   bool failed = false;
-  std::string rgba;     ///< Unless it failed: little-endian floats.
+  std::string pixels;   ///< Unless it failed: little-endian floats.
   std::string failure;  ///< Where it failed: why.
   absl::Duration render_time;
   RenderStats stats;  ///< Zeros where the worker measured nothing.

@@ -201,8 +201,9 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
   const std::string path = FramePath(*job, index);
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/'))));
+    const auto names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); };
     SL_ASSIGN_OR_RETURN(AssembledFrame frame,
-                        AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), path));
+                        AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), names, path));
     if (frame.lost_tiles.empty()) {
       finished.digest = frame.digest;
       finished.size = frame.size;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/cryptomatte/cryptomatte.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/asset_store.h"
 #include "server/config/config.h"
@@ -46,6 +47,8 @@ class Farm {
     CoordinatorIdentity identity;
     /// Whether a job's scene can be rendered; called without locks, may take long.
     std::function<absl::Status(const JobSpec&, AssetStore&)> check_scene;
+    /// What the mattes of a job are named after; likewise.
+    std::function<absl::StatusOr<MatteNames>(const JobSpec&, AssetStore&)> matte_names;
   };
   explicit Farm(Parts parts);
   ~Farm();

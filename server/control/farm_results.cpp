@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/log.h"
+#include "common/job/output_channels.h"
 #include "server/control/farm.h"
 
 namespace shutterline::server {
@@ -19,12 +20,13 @@ std::vector<Farm::Destination> Farm::Locate(const std::vector<const TileReport*>
     }
     const TileGrid grid = job->grid();
     const std::optional<int64_t> index = job->spec()->frames.IndexOf(report.frame);
+    const size_t pixel_bytes = sizeof(float) * size_t(OutputChannelCount(job->spec()->render));
     const bool fits =
         index && report.tile < uint32_t(grid.Count()) &&
-        (report.failed || report.rgba.size() == size_t(grid.Rect(int(report.tile)).Area()) * 16);
+        (report.failed || report.pixels.size() == size_t(grid.Rect(int(report.tile)).Area()) * pixel_bytes);
     if (!fits) {
       spdlog::warn("result does not fit its job job={} frame={} tile={} bytes={}", LogValue(report.job_id),
-                   report.frame, report.tile, report.rgba.size());
+                   report.frame, report.tile, report.pixels.size());
       destination.refusal = ReportOutcome::kRefused;
       continue;
     }
@@ -67,7 +69,7 @@ void Farm::Apply(const std::vector<Result>& results) {
         const std::optional<Digest> kept = parts_.journal->Find(at);
         spdlog::error("tile rendered twice with different pixels job={} frame={} tile={} kept={} refused={}",
                       job->id(), result.report->frame, at.tile, kept ? kept->ToHex() : "",
-                      Sha256(result.report->rgba).ToHex());
+                      Sha256(result.report->pixels).ToHex());
         job->CountMismatch(NextSeq());
       }
       if (result.stored != TileJournal::Outcome::kStaged) continue;

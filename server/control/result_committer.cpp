@@ -69,7 +69,7 @@ void ResultCommitter::Commit(std::deque<Batch> batches) {
     for (const TileReport& tile : batch.tiles) {
       Farm::Result result{&tile, destinations[results.size()], batch.worker, TileJournal::Outcome::kStaged};
       if (!tile.failed && result.destination.refusal == ReportOutcome::kStored) {
-        result.stored = journal_.Stage(result.destination.address, Sha256(tile.rgba), tile.rgba);
+        result.stored = journal_.Stage(result.destination.address, Sha256(tile.pixels), tile.pixels);
       }
       results.push_back(result);
     }

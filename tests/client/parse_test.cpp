@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/human.h"
+#include "client/parse_outputs.h"
 #include "client/server_option.h"
 
 namespace shutterline::client {
@@ -47,6 +48,31 @@ TEST(Parse, ShutterCurve) {
   for (const char* text :
        {"", "tent", "0", "0:", ":1", "0:1,", "0:1;1:1", "-1:1,1:1", "0:nan,1:1", "0:-1,1:1"}) {
     EXPECT_FALSE(ParseShutterCurve(text).ok()) << text;
+  }
+}
+
+TEST(Parse, SetsOfNames) {
+  EXPECT_EQ(*ParseAovs("normal,depth"), (std::vector{Aov::kDepth, Aov::kNormal}));
+  EXPECT_EQ(*ParseMattes("material,object"), (std::vector{Matte::kObject, Matte::kMaterial}));
+  for (const char* text : {"", ",", "depth,", ",depth", "depth,depth", "Depth", "depth normal", "z"}) {
+    EXPECT_FALSE(ParseAovs(text).ok()) << text;
+  }
+  for (const char* text : {"", "object,object", "objects", "asset"})
+    EXPECT_FALSE(ParseMattes(text).ok()) << text;
+}
+
+TEST(Parse, Occlusion) {
+  EXPECT_EQ(*ParseOcclusion("on"), OcclusionSettings());
+  const OcclusionSettings expected{.lines = 8,
+                                   .radius = 2.5,
+                                   .falloff = OcclusionFalloff::kQuadratic,
+                                   .pattern = OcclusionPattern::kPole,
+                                   .motion = false};
+  EXPECT_EQ(*ParseOcclusion("motion=off,lines=8,falloff=quadratic,radius=2.5,pattern=pole"), expected);
+  for (const char* text :
+       {"", "off", "lines", "lines=", "lines=0", "lines=1025", "lines=8,lines=8", "radius=0", "radius=nan",
+        "radius=-1", "falloff=cubic", "motion=yes", "lines=8,", "samples=3"}) {
+    EXPECT_FALSE(ParseOcclusion(text).ok()) << text;
   }
 }
 

@@ -43,6 +43,23 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.lighting = LightingKind(below(4));
   r.ambient = {below(10) / 3.0, below(10) / 3.0, below(10) / 3.0};
   r.pattern = PatternKind(below(6));
+  if (below(2)) {
+    r.occlusion = OcclusionSettings{.lines = 1 + below(100),
+                                    .radius = below(2) ? std::optional(1 + below(9) / 3.0) : std::nullopt,
+                                    .falloff = OcclusionFalloff::kNone,
+                                    .pattern = OcclusionPattern(below(2)),
+                                    .motion = below(2) == 1};
+    if (r.occlusion->radius) r.occlusion->falloff = OcclusionFalloff(below(3));
+  }
+  r.shading_rate = 0.25 + below(9) / 3.0;
+  r.cache_propagate = below(2) == 1;
+  for (int i = 0; i <= int(Aov::kMaterialId); ++i) {
+    if (below(2) && (r.occlusion || Aov(i) != Aov::kAmbientOcclusion)) r.aovs.push_back(Aov(i));
+  }
+  for (const Matte matte : {Matte::kObject, Matte::kMaterial}) {
+    if (below(2)) r.mattes.push_back(matte);
+  }
+  r.matte_ranks = 1 + below(kMaxMatteRanks);
   r.time_step = 0.001 + below(1000) / 9.0;
   r.time_cells = 1 + below(kMaxTimeCells);
   if (below(2)) {
@@ -53,7 +70,7 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.spp = 1 + below(kMaxSpp);
   r.seed = (uint64_t{random()} << 32) | random();
   spec.output.pixel_type = PixelType(below(2));
-  spec.output.compression = ExrCompression(below(4));
+  spec.output.compression = ExrCompression(below(r.mattes.empty() ? 4 : 3));
   return spec;
 }
 
@@ -104,6 +121,29 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
   });
   expect("motion_degree", [](v1::JobSpec& s) { s.mutable_render()->set_motion_degree(4); });
   expect("motion_pieces", [](v1::JobSpec& s) { s.mutable_render()->set_motion_pieces(3); });
+  expect("render.aovs[1]: value 77", [](v1::JobSpec& s) {
+    s.mutable_render()->clear_aovs();
+    s.mutable_render()->add_aovs(v1::AOV_DEPTH);
+    s.mutable_render()->add_aovs(v1::Aov(77));
+  });
+  expect("aovs: has 100", [](v1::JobSpec& s) {
+    s.mutable_render()->clear_aovs();
+    for (int i = 0; i < 100; ++i) s.mutable_render()->add_aovs(v1::AOV_DEPTH);
+  });
+  expect("mattes[1]", [](v1::JobSpec& s) {
+    s.mutable_render()->clear_mattes();
+    for (int i = 0; i < 2; ++i) s.mutable_render()->add_mattes(v1::MATTE_OBJECT);
+  });
+  expect("render.occlusion.falloff: is not specified", [](v1::JobSpec& s) {
+    s.mutable_render()->mutable_occlusion()->Clear();
+    s.mutable_render()->mutable_occlusion()->set_lines(3);
+  });
+  expect("shading_rate", [&](v1::JobSpec& s) { s.mutable_render()->set_shading_rate(nan); });
+  expect("output.compression: dwaa", [](v1::JobSpec& s) {
+    s.mutable_render()->clear_mattes();
+    s.mutable_render()->add_mattes(v1::MATTE_OBJECT);
+    s.mutable_output()->set_compression(v1::COMPRESSION_DWAA);
+  });
   expect("spp", [](v1::JobSpec& s) { s.mutable_render()->set_spp(-1); });
   expect("render.camera", [](v1::JobSpec& s) { s.mutable_render()->set_camera(std::string(1025, 'x')); });
   expect("name", [](v1::JobSpec& s) { s.set_name(std::string(1025, 'x')); });
@@ -140,6 +180,13 @@ TEST(PictureKeyTest, DependsOnWhatChangesPixelsAndOnNothingElse) {
   camera.animation = "moved";
   EXPECT_NE(PictureKey(spec.scene, seed), key);
   EXPECT_NE(PictureKey(spec.scene, camera), key);
+  RenderSettings named = spec.render, ranked = spec.render, open = spec.render;
+  named.aovs = named.aovs.empty() ? std::vector{Aov::kDepth} : std::vector<Aov>();
+  ranked.matte_ranks = ranked.matte_ranks % kMaxMatteRanks + 1;
+  open.occlusion = open.occlusion ? std::nullopt : std::optional(OcclusionSettings());
+  EXPECT_NE(PictureKey(spec.scene, named), key);
+  EXPECT_NE(PictureKey(spec.scene, ranked), key);
+  EXPECT_NE(PictureKey(spec.scene, open), key);
   RenderSettings target = spec.render, finer = spec.render;
   target.target_error = 0.01;
   finer.target_error = 0.001;

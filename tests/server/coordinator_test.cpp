@@ -203,7 +203,7 @@ TEST_F(CoordinatorTest, DuplicatesAndMismatchesKeepTheFirstPixels) {
   ASSERT_EQ(grant.tiles_size(), 1);
   const v1::TileResult result = worker.Result(grant, grant.tiles(0));
   v1::TileResult other = result;
-  (*other.mutable_rgba())[0] ^= 1;
+  (*other.mutable_pixels())[0] ^= 1;
   // Twice in one batch as well as in a later one.
   const v1::ResultAck first = worker.Push({result, result, other});
   EXPECT_THAT(first.outcomes(),
@@ -226,7 +226,7 @@ TEST_F(CoordinatorTest, ResultsThatDoNotFitAreRefused) {
   v1::TileResult frame = good, tile = good, size = good, unknown = good;
   frame.set_frame(1);
   tile.set_tile(2);
-  size.mutable_rgba()->pop_back();
+  size.mutable_pixels()->pop_back();
   unknown.set_job_id("no such job");
   EXPECT_THAT(worker.Push({frame, tile, size, unknown, good}).outcomes(),
               testing::ElementsAre(v1::ResultAck::OUTCOME_REFUSED, v1::ResultAck::OUTCOME_REFUSED,

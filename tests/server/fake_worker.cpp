@@ -10,11 +10,11 @@
 
 namespace shutterline::test {
 
-void SyntheticPixel(int frame, int x, int y, float rgba[4]) {
-  rgba[0] = float(x) / 64;
-  rgba[1] = float(y) / 64;
-  rgba[2] = float(frame) / 16;
-  rgba[3] = float((x * 7 + y * 13 + frame) % 32) / 32;
+void SyntheticPixel(int frame, int x, int y, float pixels[4]) {
+  pixels[0] = float(x) / 64;
+  pixels[1] = float(y) / 64;
+  pixels[2] = float(frame) / 16;
+  pixels[3] = float((x * 7 + y * 13 + frame) % 32) / 32;
 }
 
 std::string SyntheticTile(int width, int height, int frame, uint32_t tile) {
@@ -22,9 +22,9 @@ std::string SyntheticTile(int width, int height, int frame, uint32_t tile) {
   std::string bytes(size_t(rect.Area()) * 16, '\0');
   for (int y = 0; y < rect.height; ++y) {
     for (int x = 0; x < rect.width; ++x) {
-      float rgba[4];
-      SyntheticPixel(frame, rect.x + x, rect.y + y, rgba);
-      std::memcpy(&bytes[size_t(y * rect.width + x) * 16], rgba, 16);
+      float pixels[4];
+      SyntheticPixel(frame, rect.x + x, rect.y + y, pixels);
+      std::memcpy(&bytes[size_t(y * rect.width + x) * 16], pixels, 16);
     }
   }
   return bytes;
@@ -127,7 +127,7 @@ v1::TileResult FakeWorker::Result(const v1::Grant& grant, uint32_t tile) const {
   result.set_frame(grant.frame());
   result.set_tile(tile);
   result.set_lease_id(grant.lease_id());
-  result.set_rgba(SyntheticTile(job.render().width(), job.render().height(), grant.frame(), tile));
+  result.set_pixels(SyntheticTile(job.render().width(), job.render().height(), grant.frame(), tile));
   result.mutable_render_time()->set_nanos(1'000'000);
   result.mutable_stats()->set_tiles(1);
   result.mutable_stats()->set_lines(100 + tile);

@@ -15,7 +15,7 @@ namespace shutterline::test {
 /// The pixels that a scripted worker makes for a tile: a function of frame and position alone.
 std::string SyntheticTile(int width, int height, int frame, uint32_t tile);
 /// What SyntheticTile puts at a pixel, R, G, B, A.
-void SyntheticPixel(int frame, int x, int y, float rgba[4]);
+void SyntheticPixel(int frame, int x, int y, float pixels[4]);
 
 /// A worker that does what a test says, one step at a time; calls block until the coordinator has answered.
 class FakeWorker {

@@ -15,14 +15,14 @@ namespace shutterline::worker {
 class FakeRenderer final : public FrameRendererFactory {
  public:
   /// What tile pixels hold: their own position, the frame and 1.
-  static void Expected(const TileRect& rect, int frame, std::span<float> rgba) {
+  static void Expected(const TileRect& rect, int frame, std::span<float> pixels) {
     size_t i = 0;
     for (int y = rect.y; y < rect.y + rect.height; ++y) {
       for (int x = rect.x; x < rect.x + rect.width; ++x, i += 4) {
-        rgba[i] = float(x);
-        rgba[i + 1] = float(y);
-        rgba[i + 2] = float(frame);
-        rgba[i + 3] = 1;
+        pixels[i] = float(x);
+        pixels[i + 1] = float(y);
+        pixels[i + 2] = float(frame);
+        pixels[i + 3] = 1;
       }
     }
   }
@@ -56,12 +56,12 @@ class FakeRenderer final : public FrameRendererFactory {
   class Frame final : public FrameRenderer {
    public:
     Frame(FakeRenderer& owner, int frame) : owner_(owner), frame_(frame) {}
-    absl::Status Render(const TileRect& rect, std::span<float> rgba,
+    absl::Status Render(const TileRect& rect, std::span<float> pixels,
                         engine::RenderStats& stats) const override {
       if (owner_.before_tile) {
         if (absl::Status status = owner_.before_tile(rect, frame_); !status.ok()) return status;
       }
-      Expected(rect, frame_, rgba);
+      Expected(rect, frame_, pixels);
       ++owner_.tiles;
       ++stats.tiles;
       stats.lines += rect.Area();

@@ -16,7 +16,7 @@ TileResult Result(uint32_t tile, size_t bytes = 100, std::shared_ptr<const Worke
   TileResult result;
   result.task.job = job ? job : std::make_shared<WorkerJob>();
   result.task.tile = tile;
-  result.rgba.assign(bytes, 'p');
+  result.pixels.assign(bytes, 'p');
   return result;
 }
 

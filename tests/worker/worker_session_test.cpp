@@ -42,7 +42,7 @@ TEST_F(WorkerSessionTest, RendersEveryTileOfAFrame) {
     EXPECT_EQ(result.lease_id(), result.tile() < 6 ? 1u : 2u);
     ExpectPixels(result);
     EXPECT_EQ(result.stats().tiles(), 1);
-    EXPECT_EQ(result.stats().lines() * 16, int64_t(result.rgba().size()));
+    EXPECT_EQ(result.stats().lines() * 16, int64_t(result.pixels().size()));
     EXPECT_EQ(result.stats().resolve_seconds(), 0.5);
   }
   EXPECT_EQ(engine_.imports, 1);

@@ -68,8 +68,8 @@ class WorkerTest : public testing::Test {
     const TileRect rect = TileGrid{100, 90}.Rect(int(result.tile()));
     std::vector<float> expected(size_t(rect.Area()) * 4);
     FakeRenderer::Expected(rect, result.frame(), expected);
-    ASSERT_EQ(result.rgba().size(), expected.size() * sizeof(float));
-    EXPECT_EQ(std::memcmp(result.rgba().data(), expected.data(), result.rgba().size()), 0);
+    ASSERT_EQ(result.pixels().size(), expected.size() * sizeof(float));
+    EXPECT_EQ(std::memcmp(result.pixels().data(), expected.data(), result.pixels().size()), 0);
   }
 
   std::filesystem::path folder_;

@@ -36,10 +36,10 @@ class EngineFrameRenderer final : public FrameRenderer {
   explicit EngineFrameRenderer(std::unique_ptr<engine::TileIntegrator> integrator)
       : integrator_(std::move(integrator)) {}
 
-  absl::Status Render(const TileRect& rect, std::span<float> rgba,
+  absl::Status Render(const TileRect& rect, std::span<float> pixels,
                       engine::RenderStats& stats) const override {
     return WithoutExceptions("render tile", [&] {
-      integrator_->Render(rect, rgba, stats);
+      integrator_->Render(rect, pixels, stats);
       return absl::OkStatus();
     });
   }
@@ -62,7 +62,7 @@ absl::StatusOr<std::shared_ptr<const FrameRenderer>> EngineFrameRendererFactory:
   const auto make = [&]() -> Result {
     SL_ASSIGN_OR_RETURN(auto frame_scene, engine::BuildFrameScene(std::move(scene), frame, settings));
     SL_ASSIGN_OR_RETURN(auto integrator,
-                        engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads));
+                        engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads, cache_));
     return std::make_shared<const EngineFrameRenderer>(std::move(integrator));
   };
   // Tasks of the steps stay on so many threads; more than processors would only make TBB complain.

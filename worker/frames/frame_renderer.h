@@ -18,9 +18,10 @@ class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
 
-  /// Renders `rect` into 4 * rect.Area() floats: linear premultiplied RGBA, rows from the top. Adds to
-  /// `stats`. Thread-safe, and what is written depends on the frame, the settings and `rect` alone.
-  virtual absl::Status Render(const TileRect& rect, std::span<float> rgba,
+  /// Renders `rect` into OutputChannelCount(settings) * rect.Area() floats, rows from the top, the first four
+  /// of a pixel linear premultiplied RGBA. Adds to `stats`. Thread-safe, and what is written depends on the
+  /// frame, the settings and `rect` alone.
+  virtual absl::Status Render(const TileRect& rect, std::span<float> pixels,
                               engine::RenderStats& stats) const = 0;
 };
 

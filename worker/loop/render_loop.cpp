@@ -10,6 +10,7 @@
 
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
+#include "common/job/output_channels.h"
 #include "common/job/tile.h"
 
 namespace shutterline::worker {
@@ -56,7 +57,7 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
   result.render_time = clock_.Monotonic() - start;
   ++(result.status.ok() ? tiles_rendered_ : tiles_failed_);
   if (!result.status.ok()) {
-    result.rgba.clear();
+    result.pixels.clear();
     spdlog::warn("tile failed job={} frame={} tile={} reason={}", LogValue(task.job->id), task.frame,
                  task.tile, LogValue(result.status.ToString()));
   }
@@ -75,10 +76,10 @@ absl::Status RenderLoop::RenderPixels(const TileTask& task, TileResult& result) 
       const std::shared_ptr<const FrameRenderer> frame,
       frames_.Get(job.scene_key, task.frame, job.settings, [&] { return open_scene_(job.scene); }));
   const TileRect rect = grid.Rect(int(task.tile));
-  std::vector<float> pixels(size_t(rect.Area()) * 4);
+  std::vector<float> pixels(size_t(rect.Area()) * size_t(OutputChannelCount(job.settings)));
   SL_RETURN_IF_ERROR(frame->Render(rect, pixels, result.stats));
-  result.rgba.resize(pixels.size() * sizeof(float));
-  std::memcpy(result.rgba.data(), pixels.data(), result.rgba.size());
+  result.pixels.resize(pixels.size() * sizeof(float));
+  std::memcpy(result.pixels.data(), pixels.data(), result.pixels.size());
   return absl::OkStatus();
 }
 

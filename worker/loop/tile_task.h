@@ -39,14 +39,14 @@ struct TileTask {
 struct TileResult {
   TileTask task;
   absl::Status status;
-  std::string rgba;  ///< Little-endian 32-bit floats, 16 bytes a pixel, rows from the top; empty on failure.
+  std::string pixels;  ///< As TileIntegrator writes them, little-endian; empty on failure.
   absl::Duration render_time;
   RenderStats stats;  ///< Of this tile.
 
   /// Roughly what it takes of memory, and a little more than what it takes in a message.
   size_t Bytes() const {
     // A number of the statistics takes at most 12 bytes of a message.
-    return rgba.size() + status.message().size() + task.job->id.size() + 2 * sizeof(RenderStats) + 64;
+    return pixels.size() + status.message().size() + task.job->id.size() + 2 * sizeof(RenderStats) + 64;
   }
 };
 

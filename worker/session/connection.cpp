@@ -250,7 +250,7 @@ v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const 
     // A lease of an earlier session is over, and its number may be another lease's by now.
     tile.set_lease_id(result->task.session == board_session_ ? result->task.lease_id : 0);
     if (result->status.ok()) {
-      tile.set_rgba(result->rgba);
+      tile.set_pixels(result->pixels);
       *tile.mutable_stats() = convert::ToProto(result->stats);
     } else {
       tile.mutable_failure()->set_code(int32_t(result->status.code()));

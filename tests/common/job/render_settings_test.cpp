@@ -58,6 +58,30 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        },
        {0, 1, 1e6},
        {-0.1, 1.1e6, kNaN, kInfinity}},
+      {"occlusion.lines",
+       [](auto& s, double v) { s.occlusion.emplace().lines = int(v); },
+       {1, 1024},
+       {0, -1, 1025}},
+      {"occlusion.radius",
+       [](auto& s, double v) {
+         s.occlusion.emplace().radius = v;
+       },
+       {1e-12, 1, 1e12},
+       {0, -1, 1.1e12, kNaN, kInfinity}},
+      {"shading_rate", [](auto& s, double v) { s.shading_rate = v; }, {1.0 / 64, 1, 16}, {0, -1, 17, kNaN}},
+      {"matte_ranks", [](auto& s, double v) { s.matte_ranks = int(v); }, {1, 32}, {0, -1, 33}},
+      {"aovs[1]",
+       [](auto& s, double v) {
+         s.aovs = {Aov::kPosition, Aov(int(v))};
+       },
+       {2, 3, 8},
+       {0, 1, 9, -1}},
+      {"mattes[1]",
+       [](auto& s, double v) {
+         s.mattes = {Matte::kObject, Matte(int(v))};
+       },
+       {1},
+       {0, 2, -1}},
       {"spp", [](auto& s, double v) { s.spp = int(v); }, {1, 1048576}, {0, -1, 1048577}},
   };
   for (const Range& range : ranges) {
@@ -89,6 +113,16 @@ TEST(RenderSettings, ShutterCurvesGoFromZeroToOne) {
     settings.shutter_curve = curve;
     EXPECT_THAT(std::string(Validate(settings).message()), HasSubstr("shutter_curve")) << curve.size();
   }
+}
+
+TEST(RenderSettings, WhatNeedsOcclusionSaysSo) {
+  RenderSettings settings;
+  settings.aovs = {Aov::kAmbientOcclusion};
+  EXPECT_THAT(std::string(Validate(settings).message()), HasSubstr("ao needs occlusion"));
+  settings.occlusion = OcclusionSettings();
+  EXPECT_TRUE(Validate(settings).ok());
+  settings.occlusion->falloff = OcclusionFalloff::kLinear;
+  EXPECT_THAT(std::string(Validate(settings).message()), HasSubstr("occlusion.radius"));
 }
 
 TEST(RenderSettings, AStillIsValid) {
@@ -123,6 +157,14 @@ TEST(RenderSettings, WordRoundTrips) {
   ExpectWords<LightingKind>(
       {LightingKind::kAuto, LightingKind::kScene, LightingKind::kStudio, LightingKind::kHeadlight},
       ParseLighting);
+  ExpectWords<OcclusionFalloff>(
+      {OcclusionFalloff::kNone, OcclusionFalloff::kLinear, OcclusionFalloff::kQuadratic},
+      ParseOcclusionFalloff);
+  ExpectWords<OcclusionPattern>({OcclusionPattern::kPole, OcclusionPattern::kTilted}, ParseOcclusionPattern);
+  ExpectWords<Aov>({Aov::kDepth, Aov::kPosition, Aov::kNormal, Aov::kMotion, Aov::kAlbedo,
+                    Aov::kAmbientOcclusion, Aov::kSamples, Aov::kObjectId, Aov::kMaterialId},
+                   ParseAov);
+  ExpectWords<Matte>({Matte::kObject, Matte::kMaterial}, ParseMatte);
   ExpectWords<PixelType>({PixelType::kHalf, PixelType::kFloat}, ParsePixelType);
   ExpectWords<ExrCompression>(
       {ExrCompression::kNone, ExrCompression::kZip, ExrCompression::kPiz, ExrCompression::kDwaa},

@@ -10,7 +10,7 @@ namespace {
 
 /// Relative to the sum of the magnitudes of a determinant's terms. Instants are decided in single steps that
 /// lose some more digits than this one, so it is wide: what turns edge-on within it is kept.
-constexpr double kRounding = 0x1p-40;
+constexpr double kFacingSlack = 0x1p-40;
 
 struct Determinant {
   double value = 0, magnitude = 0;
@@ -25,7 +25,7 @@ struct Determinant {
                            std::abs(a.w) * (std::abs(xy) + std::abs(yx)));
   }
   /// Raster y points down: fronts, counter-clockwise with y up, have negative determinants.
-  bool IsBack() const { return value > kRounding * magnitude; }
+  bool IsBack() const { return value > kFacingSlack * magnitude; }
 };
 
 double Binomial(int n, int k) {

@@ -6,12 +6,12 @@ namespace shutterline::engine {
 namespace {
 
 /// Relative to the sum of the absolute values of terms: covers some roundings of 2^-53 each, with room.
-constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-constexpr double kBeyond = 0x1p30;
+constexpr double kProjectionSlack = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kBeyondPixels = 0x1p30;
 
 /// The nearest float not above `value`.
-float RoundDown(double value) {
-  const double cut = std::clamp(value, -kBeyond, kBeyond);
+float RoundDownPixels(double value) {
+  const double cut = std::clamp(value, -kBeyondPixels, kBeyondPixels);
   const auto f = float(cut);
   return double(f) > cut ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
@@ -24,8 +24,8 @@ class Growing {
     const double inverse = 1 / p.w;
     const double x = p.x * inverse;
     const double y = p.y * inverse;
-    const double x_error = kRounding * inverse * (x_terms + std::abs(x) * w_terms);
-    const double y_error = kRounding * inverse * (y_terms + std::abs(y) * w_terms);
+    const double x_error = kProjectionSlack * inverse * (x_terms + std::abs(x) * w_terms);
+    const double y_error = kProjectionSlack * inverse * (y_terms + std::abs(y) * w_terms);
     x0_ = std::min(x0_, x - x_error);
     y0_ = std::min(y0_, y - y_error);
     x1_ = std::max(x1_, x + x_error);
@@ -33,7 +33,7 @@ class Growing {
   }
   SweptBounds Rounded() const {
     if (x0_ > x1_) return {};
-    return {RoundDown(x0_), RoundDown(y0_), -RoundDown(-x1_), -RoundDown(-y1_)};
+    return {RoundDownPixels(x0_), RoundDownPixels(y0_), -RoundDownPixels(-x1_), -RoundDownPixels(-y1_)};
   }
 
  private:
@@ -42,7 +42,7 @@ class Growing {
 
 /// By how much more than its rounding `a` is less than `b`; not positive if it is not.
 double Below(double a, double b) {
-  return b - a - kRounding * (std::abs(a) + std::abs(b));
+  return b - a - kProjectionSlack * (std::abs(a) + std::abs(b));
 }
 
 }  // namespace
@@ -57,7 +57,8 @@ SweptBounds BoundsInRaster(std::span<const RasterPoint> hull, double far_depth) 
       any_behind_near = true;
       continue;
     }
-    if (!(p.w > 0)) return {float(-kBeyond), float(-kBeyond), float(kBeyond), float(kBeyond)};
+    if (!(p.w > 0))
+      return {float(-kBeyondPixels), float(-kBeyondPixels), float(kBeyondPixels), float(kBeyondPixels)};
     bounds.Add(p, std::abs(p.x), std::abs(p.y), p.w);
   }
   if (all_behind_far) return {};
@@ -74,7 +75,8 @@ SweptBounds BoundsInRaster(std::span<const RasterPoint> hull, double far_depth) 
       RasterPoint cut = a * front + b * behind;
       // On the plane w = z, and w may have cancelled where z has not.
       cut.w = std::max(cut.w, cut.z);
-      if (!(cut.w > 0)) return {float(-kBeyond), float(-kBeyond), float(kBeyond), float(kBeyond)};
+      if (!(cut.w > 0))
+        return {float(-kBeyondPixels), float(-kBeyondPixels), float(kBeyondPixels), float(kBeyondPixels)};
       bounds.Add(cut, a * std::abs(front.x) + b * std::abs(behind.x),
                  a * std::abs(front.y) + b * std::abs(behind.y),
                  a * std::abs(front.z) + b * std::abs(behind.z));

@@ -13,11 +13,11 @@ constexpr int kPlanes = 6;
 constexpr int kCurveParts = 4;
 /// Slack of the result, fraction of the shutter, and of a distance, relative to the sum of its terms'
 /// magnitudes: a few roundings. Instants in between are decided exactly later.
-constexpr double kTimeSlack = 1e-9;
-constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kClippedTimeSlack = 1e-9;
+constexpr double kSumSlack = 16 * std::numeric_limits<double>::epsilon();
 
 double Difference(double a, double b) {
-  return a - b + kRounding * (std::abs(a) + std::abs(b));
+  return a - b + kSumSlack * (std::abs(a) + std::abs(b));
 }
 
 /// Distances from the planes, up to positive factors and enlarged by their rounding; negative is outside.
@@ -54,8 +54,8 @@ TimeInterval TimesInsidePart(const std::array<const RasterPoint*, 3>& points, in
     inside.out = std::min(inside.out, here.out);
   }
   // Slack before emptiness is judged: planes may be met one after the other at the same instant.
-  inside.in -= kTimeSlack;
-  inside.out += kTimeSlack;
+  inside.in -= kClippedTimeSlack;
+  inside.out += kClippedTimeSlack;
   return inside;
 }
 

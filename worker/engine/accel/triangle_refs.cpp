@@ -15,7 +15,7 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFar = std::numeric_limits<double>::infinity();
 /// Cutting once more must leave no more than this share of the area.
 constexpr double kWorthwhile = 0.9;
 /// Pixels added to a box when boxes are compared. A box reaches tiles as if it were a tile longer; but boxes
@@ -76,7 +76,7 @@ class PointBounds {
  private:
   const FrameView& view_;
   const double scale_;
-  V3d lower_{kInfinity}, upper_{-kInfinity};
+  V3d lower_{kFar}, upper_{-kFar};
 };
 
 /// Hands a reference's hull (AppendHull) to `take`, point by point.
@@ -101,7 +101,7 @@ void ForEachHullPoint(const FrameScene& frame, const TriangleRef& ref, Take take
 }
 
 struct RasterExtent {
-  V2d low{kInfinity}, high{-kInfinity};
+  V2d low{kFar}, high{-kFar};
 
   void Extend(const V2d& p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};

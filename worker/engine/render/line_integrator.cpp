@@ -37,7 +37,8 @@ double MiddleOf(const PixelPair& pair) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
-    std::shared_ptr<const FrameScene> frame, const RenderSettings& settings, int threads) {
+    std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
+    std::shared_ptr<ShadingCache> cache, int threads) {
   SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame, settings));
   if (settings.resolver == ResolverKind::kPaper) {
     SL_RETURN_IF_ERROR(shader.CheckOpaque("resolver paper"));
@@ -47,30 +48,36 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
   }
   SL_ASSIGN_OR_RETURN(std::unique_ptr<const Bvh> bvh, Bvh::Build(frame, threads));
   return std::unique_ptr<TileIntegrator>(
-      new LineIntegrator(std::move(frame), std::move(shader), settings, std::move(bvh)));
+      new LineIntegrator(std::move(frame), std::move(shader), settings, std::move(cache), std::move(bvh)));
 }
 
 LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader shader,
-                               const RenderSettings& settings, std::unique_ptr<const Bvh> bvh)
+                               const RenderSettings& settings, std::shared_ptr<ShadingCache> cache,
+                               std::unique_ptr<const Bvh> bvh)
     : frame_(std::move(frame)),
       bvh_(std::move(bvh)),
       shader_(std::move(shader)),
+      texels_(shader_, settings, std::move(cache)),
+      outputs_(shader_, texels_, settings),
       resolver_(MakeResolver(settings)),
-      traits_(shader_.Traits()) {}
+      traits_(shader_.Traits()),
+      required_traits_(traits_) {
+  outputs_.Require(required_traits_);
+}
 
-void LineIntegrator::Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
-  SL_CHECK(int64_t(rgba.size()) == 4 * rect.Area());
+void LineIntegrator::Render(const TileRect& rect, std::span<float> pixels, RenderStats& stats) const {
+  SL_CHECK(int64_t(pixels.size()) == (4 + outputs_.channels()) * rect.Area());
   for (int y = 0; y < rect.height; y += kMaxLinePixels) {
     for (int x = 0; x < rect.width; x += kMaxLinePixels) {
       const TileRect part{rect.x + x, rect.y + y, std::min(kMaxLinePixels, rect.width - x),
                           std::min(kMaxLinePixels, rect.height - y)};
-      RenderPart(part, rect, rgba, stats);
+      RenderPart(part, rect, pixels, stats);
     }
   }
   ++stats.tiles;
 }
 
-void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
+void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                                 RenderStats& stats) const {
   StageTimer timer;
   std::vector<uint32_t> candidates;
@@ -81,10 +88,17 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   PairWeights weights;
   ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
                  [this](uint32_t triangle) { return GuessOf(triangle); });
-  resolver_->Resolve({*frame_, traits_, part, candidates, this}, weights, &film, stats);
+  if (!outputs_.empty()) film.KeepPairs();
+  const int64_t lines_before = stats.lines, instants_before = stats.instants;
+  resolver_->Resolve({*frame_, required_traits_, part, candidates, this}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
-  ShadePixels(part, weights, film, rect, rgba, stats);
+  ShadePixels(part, weights, film, rect, pixels, stats);
+  if (!outputs_.empty()) {
+    const int64_t lines = stats.lines - lines_before;
+    const double instants = lines > 0 ? double(stats.instants - instants_before) / double(lines) : 0;
+    WriteOutputs(part, weights, film, instants, rect, pixels, stats);
+  }
   timer.Lap(stats.shade_seconds);
 }
 
@@ -128,7 +142,7 @@ V3f LineIntegrator::GuessOf(uint32_t triangle) const {
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
-                                 const TileRect& rect, std::span<float> rgba, RenderStats& stats) const {
+                                 const TileRect& rect, std::span<float> pixels, RenderStats& stats) const {
   std::vector<Contribution> contributions;
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
@@ -137,14 +151,14 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
       uint64_t covered = 0;
       weights.ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
         const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
-        Barycentric at;
-        Footprint footprint;
-        if (traits.needs_position) {
-          at = {pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          if (traits.textured) footprint = PixelFootprintAt(*frame_, pair.triangle, at, MiddleOf(pair));
-        }
         covered += pair.weight;
-        contributions.push_back({pair.weight, shader_.Shade(pair.triangle, at, footprint)});
+        if (traits.needs_position) {
+          const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
+          const Shaded shaded = texels_.Shade(pair.triangle, at, MiddleOf(pair), stats);
+          contributions.push_back({pair.weight, shaded.radiance});
+        } else {
+          contributions.push_back({pair.weight, shader_.Shade(pair.triangle, {}, {})});
+        }
       });
       const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
       covered += uint64_t(film_sum[3]);
@@ -162,11 +176,34 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         b += double(c.weight) * double(c.color.z);
       }
       const auto total = double(weights.total());
-      const size_t pixel = size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
-      rgba[4 * pixel + 0] = float(r / total);
-      rgba[4 * pixel + 1] = float(g / total);
-      rgba[4 * pixel + 2] = float(b / total);
-      rgba[4 * pixel + 3] = float(double(covered) / total);
+      const std::span<float> pixel = PixelOf(part, x, y, rect, pixels);
+      pixel[0] = float(r / total);
+      pixel[1] = float(g / total);
+      pixel[2] = float(b / total);
+      pixel[3] = float(double(covered) / total);
+    }
+  }
+}
+
+std::span<float> LineIntegrator::PixelOf(const TileRect& part, int x, int y, const TileRect& rect,
+                                         std::span<float> pixels) const {
+  const size_t pixel = size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
+  const size_t channels = 4 + size_t(outputs_.channels());
+  return pixels.subspan(pixel * channels, channels);
+}
+
+void LineIntegrator::WriteOutputs(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
+                                  double instants, const TileRect& rect, std::span<float> pixels,
+                                  RenderStats& stats) const {
+  std::vector<PixelPair> pairs;
+  const auto gather = [&](const PixelPair& pair) { pairs.push_back(pair); };
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x) {
+      const int64_t pixel = int64_t{y} * part.width + x;
+      pairs.clear();
+      weights.ForEach(pixel, gather);
+      film.pairs().ForEach(pixel, gather);
+      outputs_.Write(pairs, weights.total(), instants, PixelOf(part, x, y, rect, pixels).subspan(4), stats);
     }
   }
 }

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "worker/engine/accel/bvh.h"
+#include "worker/engine/render/pixel_outputs.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/shading/shade.h"
+#include "worker/engine/shading/texel_shader.h"
 #include "worker/engine/visibility/resolver.h"
 
 namespace shutterline::engine {
@@ -19,29 +21,39 @@ namespace shutterline::engine {
 class LineIntegrator final : public TileIntegrator, private AlphaSource {
  public:
   static absl::StatusOr<std::unique_ptr<TileIntegrator>> Create(std::shared_ptr<const FrameScene> frame,
-                                                                const RenderSettings& settings, int threads);
+                                                                const RenderSettings& settings,
+                                                                std::shared_ptr<ShadingCache> cache,
+                                                                int threads);
 
-  void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
+  void Render(const TileRect& rect, std::span<float> pixels, RenderStats& stats) const override;
 
  private:
   LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader shader, const RenderSettings& settings,
-                 std::unique_ptr<const Bvh> bvh);
+                 std::shared_ptr<ShadingCache> cache, std::unique_ptr<const Bvh> bvh);
 
   /// What a triangle looks like, if a few colours say it.
   std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
   double AlphaAt(uint32_t triangle, double b1, double b2, double t) const override;
   /// One colour that stands for the triangle.
   V3f GuessOf(uint32_t triangle) const;
-  void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> rgba,
+  void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;
   void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
-                   const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;
+                   const TileRect& rect, std::span<float> pixels, RenderStats& stats) const;
+  void WriteOutputs(const TileRect& part, const PairWeights& weights, const ColorFilm& film, double instants,
+                    const TileRect& rect, std::span<float> pixels, RenderStats& stats) const;
+  /// All channels of pixel (x, y) of `part`, in the pixels of `rect`.
+  std::span<float> PixelOf(const TileRect& part, int x, int y, const TileRect& rect,
+                           std::span<float> pixels) const;
 
   std::shared_ptr<const FrameScene> frame_;
   std::unique_ptr<const Bvh> bvh_;
   Shader shader_;
+  TexelShader texels_;
+  PixelOutputs outputs_;
   std::unique_ptr<const Resolver> resolver_;
-  std::vector<PrimitiveTraits> traits_;
+  std::vector<PrimitiveTraits> traits_;           ///< What shading needs.
+  std::vector<PrimitiveTraits> required_traits_;  ///< The same and what outputs need.
 };
 
 }  // namespace shutterline::engine

@@ -1,5 +1,9 @@
 #include "worker/engine/render/tile_integrator.h"
 
+#include <absl/strings/str_cat.h>
+
+#include <utility>
+
 #include "worker/engine/reference/embree_tracer.h"
 #include "worker/engine/reference/instant_tracer.h"
 #include "worker/engine/render/line_integrator.h"
@@ -8,10 +12,16 @@
 namespace shutterline::engine {
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
-    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
+    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
+    std::shared_ptr<ShadingCache> cache) {
+  const bool is_line = settings.integrator == IntegratorKind::kLine;
+  if (!is_line && !(settings.aovs.empty() && settings.mattes.empty())) {
+    return absl::UnimplementedError(
+        absl::StrCat("integrator ", ToString(settings.integrator), ": it makes no AOVs and no Cryptomatte"));
+  }
   switch (settings.integrator) {
     case IntegratorKind::kLine:
-      return LineIntegrator::Create(std::move(frame_scene), settings, threads);
+      return LineIntegrator::Create(std::move(frame_scene), settings, std::move(cache), threads);
     case IntegratorKind::kReference:
       if (settings.reference_layout == ReferenceLayout::kSharedInstants &&
           InstantTracer::Fits(*frame_scene, settings.spp)) {

@@ -12,7 +12,7 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr size_t kVerticesPerTask = 1024;
+constexpr size_t kPathsPerTask = 1024;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ bool CurveCheck::IsWithinTolerance(const MeshPose& pose, std::span<const uint32_
     }
   }
   std::atomic<bool> all_within = true;
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, CountOf(vertices), kVerticesPerTask),
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, CountOf(vertices), kPathsPerTask),
                     [&](const tbb::blocked_range<size_t>& range) {
                       if (!all_within.load(std::memory_order_relaxed)) return;
                       ForEachPlace(pose, vertices, range.begin(), range.end(),
@@ -65,7 +65,7 @@ bool CurveCheck::IsWithinTolerance(const MeshPose& pose, std::span<const uint32_
 
 PathError CurveCheck::LargestError(const MeshPose& pose, std::span<const uint32_t> vertices) const {
   return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, CountOf(vertices), kVerticesPerTask), PathError(),
+      tbb::blocked_range<size_t>(0, CountOf(vertices), kPathsPerTask), PathError(),
       [&](const tbb::blocked_range<size_t>& range, PathError error) {
         ForEachPlace(pose, vertices, range.begin(), range.end(),
                      [&](const RasterPoint& path, const RasterPoint& fit) {

@@ -24,7 +24,7 @@ namespace {
 
 /// Warnings name this many meshes whose motion misses their path, the worst first, and count the rest.
 constexpr size_t kNamedMeshes = 16;
-constexpr uint32_t kVerticesPerTask = 1024;
+constexpr uint32_t kTaskSize = 1024;
 
 bool AreEqual(const std::vector<V4f>& colors) {
   return !colors.empty() &&
@@ -62,6 +62,7 @@ absl::Status FrameBuilder::Build() {
   MakeTriangles();
   EvaluateTangents(shading);
   frame_->view.world_axes = shading.camera.WorldAxes();
+  frame_->view.world_position = shading.camera.position;
   frame_->lights = PlaceLights(scene_, shading, frame_->warnings);
   NameMisses();
   MakeTextures();
@@ -204,7 +205,7 @@ void FrameBuilder::EvaluateNormals(const Moment& moment) {
       primitive.mirrored = pose.Mirrors(source);
       if (!primitive.has_normals) continue;
       tbb::parallel_for(
-          tbb::blocked_range<uint32_t>(0, primitive.vertex_count, kVerticesPerTask),
+          tbb::blocked_range<uint32_t>(0, primitive.vertex_count, kTaskSize),
           [&](const tbb::blocked_range<uint32_t>& range) {
             pose.WriteNormals(
                 source, range.begin(),
@@ -287,7 +288,7 @@ void FrameBuilder::WriteTangents(const MeshPose& pose, size_t number) {
   for (uint32_t t = 0; !usable_[number] && t < source.triangles.size(); ++t) {
     if (IsDrawn(primitive, source.triangles[t])) drawn.push_back(t);
   }
-  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, primitive.triangle_count, kVerticesPerTask),
+  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, primitive.triangle_count, kTaskSize),
                     [&](const tbb::blocked_range<uint32_t>& range) {
                       for (uint32_t i = range.begin(); i < range.end(); ++i) {
                         const size_t t = usable_[number] ? i : drawn[i];

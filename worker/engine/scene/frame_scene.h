@@ -31,6 +31,10 @@ struct FrameView {
   /// points to (d·x, d·y, d·z) in the world.
   std::array<V3d, 3> world_axes{V3d(1, 0, 0), V3d(0, 1, 0), V3d(0, 0, 1)};
 
+  /// Where the camera is in the world at mid-shutter, metres.
+  V3d world_position{0, 0, 0};
+
+  /// Of a direction.
   V3d WorldFromView(const V3d& direction) const {
     return {direction.dot(world_axes[0]), direction.dot(world_axes[1]), direction.dot(world_axes[2])};
   }

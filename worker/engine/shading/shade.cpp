@@ -18,17 +18,22 @@ absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame,
   return Shader(std::move(frame), std::move(lighting));
 }
 
-V3f Shader::Shade(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+Shaded Shader::ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
   const FrameTriangle& corners = frame_->triangles[triangle];
   const FramePrimitive& primitive = frame_->primitives[corners.primitive];
   if (primitive.material->unlit) {
     const V4d color = BaseColorAt(*frame_, primitive, corners, at, footprint);
-    return V3f(V3d(color.x, color.y, color.z));
+    return {.radiance = V3f(V3d(color.x, color.y, color.z))};
   }
-  const Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
+  Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
   const V3d reflected =
       lighting_.head_light ? ReflectHeadLight(surface) : Reflect(frame_->view, lighting_, surface);
-  return V3f(reflected + surface.emission);
+  return {.radiance = V3f(reflected + surface.emission)};
+}
+
+Surface Shader::SurfaceOf(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+  const FrameTriangle& corners = frame_->triangles[triangle];
+  return SurfaceAt(*frame_, frame_->primitives[corners.primitive], corners, triangle, at, footprint);
 }
 
 bool Shader::IsConstant(const FramePrimitive& primitive) const {

@@ -14,6 +14,8 @@
 #include "worker/engine/scene/primitive_traits.h"
 #include "worker/engine/shading/barycentric.h"
 #include "worker/engine/shading/lighting.h"
+#include "worker/engine/shading/shaded.h"
+#include "worker/engine/shading/surface.h"
 
 namespace shutterline::engine {
 
@@ -31,7 +33,14 @@ class Shader {
 
   /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter, as if
   /// it were opaque: layers are not premultiplied.
-  V3f Shade(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
+  V3f Shade(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+    return ShadeFully(triangle, at, footprint).radiance;
+  }
+  /// The same with all that comes along.
+  Shaded ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
+
+  /// What Shade shades.
+  Surface SurfaceOf(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
 
   /// Alpha of the base colour: of factor, vertex colours and texture together. Cut-offs are not looked at.
   double Alpha(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;

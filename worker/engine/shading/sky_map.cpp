@@ -14,7 +14,7 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr int kSamples = 128;
+constexpr int kSkySamples = 128;
 /// Lobes of these are stored; between them radiance is mixed.
 constexpr double kRoughnesses[] = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0};
 
@@ -159,12 +159,12 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
   std::vector<Sample> samples;
   double total = 0;
   const double texel = 2 * M_PI * M_PI / (double(sources[0].width) * sources[0].height);
-  for (int i = 0; i < kSamples; ++i) {
-    const V3d half = VisibleHalfVector(HammersleyPoint(i, kSamples), alpha, V3d(0, 0, 1));
+  for (int i = 0; i < kSkySamples; ++i) {
+    const V3d half = VisibleHalfVector(HammersleyPoint(i, kSkySamples), alpha, V3d(0, 0, 1));
     const V3d light(2 * half.z * half.x, 2 * half.z * half.y, 2 * half.z * half.z - 1);
     if (!(light.z > 0)) continue;
     const double density = GgxDistribution(half.z, alpha) / 4;
-    const double lod = 0.5 * std::log2(1 / (kSamples * density) / texel) + 1;
+    const double lod = 0.5 * std::log2(1 / (kSkySamples * density) / texel) + 1;
     const auto source = size_t(std::clamp(std::lround(lod), 0l, long(sources.size()) - 1));
     samples.push_back({light, light.z, source});
     total += light.z;

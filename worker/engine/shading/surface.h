@@ -27,7 +27,7 @@ struct Surface {
 V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
                 const Barycentric& at, const Footprint& footprint);
 
-/// Everything. Not for unlit materials.
+/// Everything. Unlit materials have a normal, too, that of the face.
 Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
                   uint32_t index, const Barycentric& at, const Footprint& footprint);
 

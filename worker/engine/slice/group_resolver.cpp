@@ -247,7 +247,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& lay
       const ColorKind kind = colors_->KindOf(index);
       if (kind == ColorKind::kConstant) {
         sums_.AddFlat(begin, end, index);
-        continue;
+        if (!colors_->keeps_pairs()) continue;
       }
       const TileMeshTriangle& triangle = mesh_->triangles()[index];
       LinePosition position;
@@ -256,7 +256,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& lay
       }
       if (kind == ColorKind::kSmooth) {
         sums_.AddSmooth(begin, end, index, position);
-        continue;
+        if (!colors_->keeps_pairs()) continue;
       }
       const auto bin = uint16_t(t * double(1u << triangle.shading_bins_log2));
       sums_.AddApart(lane, begin, end, index, bin, weight, position);

@@ -148,28 +148,27 @@ uint16_t LayerCompositor::BinOf(const Span& surface) const {
 }
 
 void LayerCompositor::AddWhole(int32_t begin, int32_t end, const Span& piece) {
-  switch (colors_->KindOf(piece.index)) {
-    case ColorKind::kConstant:
-      return sums_->AddFlatShare(begin, end, piece.index, double(instants_));
-    case ColorKind::kSmooth:
-      return sums_->AddSmooth(begin, end, piece.index, piece.position);
-    default:
-      sums_->AddApart(lane_, begin, end, piece.index, BinOf(piece), instants_, piece.position);
+  const ColorKind kind = colors_->KindOf(piece.index);
+  if (kind == ColorKind::kConstant) sums_->AddFlatShare(begin, end, piece.index, double(instants_));
+  if (kind == ColorKind::kSmooth) sums_->AddSmooth(begin, end, piece.index, piece.position);
+  if (kind == ColorKind::kApart || colors_->keeps_pairs()) {
+    sums_->AddApart(lane_, begin, end, piece.index, BinOf(piece), instants_, piece.position);
   }
 }
 
 void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& surface, int64_t share) {
-  switch (colors_->KindOf(surface.index)) {
-    case ColorKind::kConstant:
-      return sums_->AddColorShare(begin, colors_->ColorOf(surface.index), double(instants_), share);
-    case ColorKind::kSmooth: {
-      const double middle = (double(begin) + double(end)) * (0.5 / kSubpixelsPerPixel);
-      const TileColors::Color color = colors_->ColorAt(surface.index, surface.position, middle);
-      return sums_->AddColorShare(begin, color, double(instants_), share);
-    }
-    default:
-      sums_->AddApartShare(lane_, begin, end, surface.index, BinOf(surface), instants_, share,
-                           surface.position);
+  const ColorKind kind = colors_->KindOf(surface.index);
+  if (kind == ColorKind::kConstant) {
+    sums_->AddColorShare(begin, colors_->ColorOf(surface.index), double(instants_), share);
+  }
+  if (kind == ColorKind::kSmooth) {
+    const double middle = (double(begin) + double(end)) * (0.5 / kSubpixelsPerPixel);
+    const TileColors::Color color = colors_->ColorAt(surface.index, surface.position, middle);
+    sums_->AddColorShare(begin, color, double(instants_), share);
+  }
+  if (kind == ColorKind::kApart || colors_->keeps_pairs()) {
+    sums_->AddApartShare(lane_, begin, end, surface.index, BinOf(surface), instants_, share,
+                         surface.position);
   }
 }
 

@@ -96,6 +96,8 @@ void LineSums::FlushApart(int lane, PairWeights& weights) {
 
 void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights& weights) {
   const TileMeshTriangle& triangle = mesh_->triangles()[index];
+  const bool is_colored = colors_->keeps_pairs() && colors_->KindOf(index) != ColorKind::kApart;
+  PairWeights& pairs = is_colored ? colors_->film()->pairs() : weights;
   for (int step = first_step_; step <= last_step_; ++step) {
     Share& share = shares_[size_t(step)];
     if (share.weight == 0) continue;
@@ -107,7 +109,7 @@ void LineSums::FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights
       pair.b1 = ClampedFromZero(share.position[0] / over, 1);
       pair.b2 = ClampedFromZero(share.position[1] / over, 1 - pair.b1);
     }
-    weights.Add(lines_->PixelOf(group_->first_row + lane, step), pair);
+    pairs.Add(lines_->PixelOf(group_->first_row + lane, step), pair);
     share = {};
   }
 }

@@ -82,7 +82,8 @@ class LineSums {
     for (size_t c = 0; c < 4; ++c) sum[c] += weight * double(share) * color[c];
   }
 
-  /// Adds a piece of a triangle that is kept apart. `bin`: its part of the shutter.
+  /// Adds a piece of a triangle that is kept apart, or, beside its colour, of one that goes to the film where
+  /// that keeps pairs. `bin`: its part of the shutter.
   void AddApart(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
                 const LinePosition& position) {
     apart_[size_t(lane)].push_back({begin, end, index, bin, weight, kWhole, position});

@@ -16,12 +16,14 @@ constexpr double kColorTolerance = 1e-3;
 void TileColors::BeginGuessing(const TileMesh& mesh, ColorFilm& film) {
   Begin(mesh, &film);
   guesses_ = true;
+  keeps_pairs_ = false;
 }
 
 void TileColors::Begin(const TileMesh& mesh, ColorFilm* film) {
   mesh_ = &mesh;
   film_ = film;
   guesses_ = false;
+  keeps_pairs_ = film != nullptr && film->keeps_pairs();
   if (film == nullptr) return;
   const size_t count = mesh.triangles().size();
   kinds_.assign(count, ColorKind::kUnknown);

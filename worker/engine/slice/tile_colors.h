@@ -30,6 +30,8 @@ class TileColors {
   void BeginGuessing(const TileMesh& mesh, ColorFilm& film);
 
   ColorFilm* film() const { return film_; }
+  /// What goes to the film is to be told by triangle as well.
+  bool keeps_pairs() const { return keeps_pairs_; }
 
   /// Of a triangle of the tile's mesh.
   ColorKind KindOf(uint32_t index) {
@@ -57,7 +59,7 @@ class TileColors {
 
   const TileMesh* mesh_ = nullptr;
   ColorFilm* film_ = nullptr;
-  bool guesses_ = false;
+  bool guesses_ = false, keeps_pairs_ = false;
   // By triangle of the mesh.
   std::vector<ColorKind> kinds_;
   std::vector<Color> colors_;

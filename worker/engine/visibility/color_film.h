@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/math/spaces.h"
+#include "worker/engine/visibility/pair_weights.h"
 
 namespace shutterline::engine {
 
@@ -35,7 +36,14 @@ class ColorFilm {
   explicit ColorFilm(Shader shader, Guesser guesser = {})
       : shader_(std::move(shader)), guesser_(std::move(guesser)) {}
 
-  void Reset(int64_t pixels) { sums_.assign(size_t(pixels), {0, 0, 0, 0}); }
+  /// From now on resolvers also tell which triangles they have added, see pairs().
+  void KeepPairs() { keeps_pairs_ = true; }
+  bool keeps_pairs() const { return keeps_pairs_; }
+
+  void Reset(int64_t pixels) {
+    sums_.assign(size_t(pixels), {0, 0, 0, 0});
+    if (keeps_pairs_) pairs_.Reset(pixels, 0);
+  }
 
   std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }
   bool CanGuess() const { return guesser_ != nullptr; }
@@ -46,10 +54,16 @@ class ColorFilm {
   const std::array<double, 4>& At(int64_t pixel) const { return sums_[size_t(pixel)]; }
   const std::vector<std::array<double, 4>>& sums() const { return sums_; }
 
+  /// What has been added, by triangle, where that is kept; its total() means nothing.
+  PairWeights& pairs() { return pairs_; }
+  const PairWeights& pairs() const { return pairs_; }
+
  private:
   Shader shader_;
   Guesser guesser_;
   std::vector<std::array<double, 4>> sums_;
+  bool keeps_pairs_ = false;
+  PairWeights pairs_;
 };
 
 }  // namespace shutterline::engine

@@ -1,0 +1,118 @@
+#include "worker/engine/shading/texel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+namespace shutterline::engine {
+namespace {
+
+Footprint PixelOf(double db1, double db2) {
+  return {.db1_dx = db1, .db1_dy = 0, .db2_dx = 0, .db2_dy = db2};
+}
+
+TEST(Texel, OfATriangleWithinAPixelIsAllOfIt) {
+  const auto texel = TexelAt({0.7, 0.2}, PixelOf(3, 1.1), 1);
+  ASSERT_TRUE(texel.has_value());
+  EXPECT_TRUE(texel->IsTop());
+  EXPECT_NEAR(texel->Centre().b1, 1.0 / 3, 1e-15);
+  EXPECT_NEAR(texel->Centre().b2, 1.0 / 3, 1e-15);
+}
+
+TEST(Texel, IsAboutAPixelOverTheRateInBothDirections) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 10'000; ++i) {
+    const auto uniform = [&] { return std::uniform_real_distribution<double>()(random); };
+    const Footprint pixel = PixelOf(std::exp2(-10 * uniform()), std::exp2(-10 * uniform()));
+    const double rate = std::exp2(4 * uniform() - 2);
+    const double b1 = uniform(), b2 = uniform() * (1 - b1);
+    const auto texel = TexelAt({b1, b2}, pixel, rate);
+    ASSERT_TRUE(texel.has_value());
+    const double sides[2] = {std::exp2(-texel->level1) * rate / pixel.db1_dx,
+                             std::exp2(-texel->level2) * rate / pixel.db2_dy};
+    for (const double side : sides) EXPECT_LE(side, 1.4143);
+    EXPECT_TRUE(texel->level1 == 0 || sides[0] >= 0.7071) << sides[0];
+    EXPECT_TRUE(texel->level2 == 0 || sides[1] >= 0.7071) << sides[1];
+    // The point is in it, the centre as well, and that lies in the triangle.
+    const double width = std::exp2(-texel->level1), height = std::exp2(-texel->level2);
+    const Barycentric centre = texel->Centre();
+    for (const Barycentric& p : {Barycentric{b1, b2}, centre}) {
+      EXPECT_GE(p.b1, texel->i * width - 1e-12);
+      EXPECT_LE(p.b1, (texel->i + 1) * width + 1e-12);
+      EXPECT_GE(p.b2, texel->j * height - 1e-12);
+      EXPECT_LE(p.b2, (texel->j + 1) * height + 1e-12);
+    }
+    EXPECT_LE(centre.b1 + centre.b2, 1);
+  }
+}
+
+TEST(Texel, CentreIsTheCentroidOfWhatLiesInTheTriangle) {
+  for (const Texel texel : {Texel{1, 0, 0, 0}, Texel{1, 0, 1, 0}, Texel{2, 1, 1, 0}, Texel{2, 2, 1, 2},
+                            Texel{0, 3, 0, 5}, Texel{3, 1, 2, 1}}) {
+    // By brute force.
+    const double width = std::exp2(-texel.level1), height = std::exp2(-texel.level2);
+    constexpr int kSteps = 2000;
+    double area = 0, x = 0, y = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double b1 = (texel.i + (i + 0.5) / kSteps) * width;
+      const double top = std::min((texel.j + 1) * height, 1 - b1), bottom = texel.j * height;
+      if (top <= bottom) continue;
+      area += top - bottom;
+      x += (top - bottom) * b1;
+      y += (top - bottom) * (top + bottom) / 2;
+    }
+    EXPECT_NEAR(texel.Centre().b1, x / area, 1e-6) << texel.level1 << texel.level2;
+    EXPECT_NEAR(texel.Centre().b2, y / area, 1e-6) << texel.level1 << texel.level2;
+  }
+}
+
+TEST(Texel, PointsOnTheLongSideAreInTexelsOfTheTriangle) {
+  for (int level = 0; level <= 12; ++level) {
+    const double pixel = std::exp2(-level);
+    for (int k = 0; k <= 1 << level; k += 1 + (1 << level) / 64) {
+      const double b1 = k * pixel;
+      const auto texel = TexelAt({b1, 1 - b1}, PixelOf(pixel, pixel), 1);
+      ASSERT_TRUE(texel.has_value());
+      EXPECT_LT(texel->i + texel->j, 1u << level) << level << " " << k;
+      const Barycentric centre = texel->Centre();
+      EXPECT_TRUE(centre.b1 >= 0 && centre.b2 >= 0 && centre.b1 + centre.b2 <= 1);
+    }
+  }
+}
+
+TEST(Texel, WithoutAFootprintOrRoomThereIsNone) {
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, {}, 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(1e-6, 1), 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-13), std::exp2(-12)), 1).has_value());
+  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-12), std::exp2(-12)), 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::nan(""), 1), 1).has_value());
+}
+
+TEST(Texel, KeysDifferAndParentsHoldTheirChildren) {
+  std::set<uint64_t> keys;
+  size_t count = 0;
+  for (const uint32_t triangle : {0u, 1u, 0xffffffffu}) {
+    for (int level1 = 0; level1 <= 4; ++level1) {
+      for (int level2 = 0; level2 <= 4; ++level2) {
+        for (uint32_t i = 0; i < 1u << level1; ++i) {
+          for (uint32_t j = 0; j < 1u << level2; ++j) {
+            const Texel texel{level1, level2, i, j};
+            keys.insert(texel.Key(triangle));
+            ++count;
+            if (texel.IsTop()) continue;
+            const Texel parent = texel.Parent();
+            EXPECT_EQ(i * std::exp2(parent.level1 - level1) >= parent.i, true);
+            EXPECT_EQ(i * std::exp2(parent.level1 - level1) < parent.i + 1, true);
+            EXPECT_EQ(j * std::exp2(parent.level2 - level2) < parent.j + 1, true);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(keys.size(), count);
+}
+
+}  // namespace
+}  // namespace shutterline::engine

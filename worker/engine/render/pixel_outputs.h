@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/job/render_settings.h"
+#include "worker/engine/render/matte.h"
+#include "worker/engine/render/stats.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/primitive_traits.h"
+#include "worker/engine/shading/shade.h"
+#include "worker/engine/shading/texel_shader.h"
+#include "worker/engine/visibility/pair_weights.h"
+
+namespace shutterline::engine {
+
+/// What a pixel holds beside its colour: the AOVs and mattes that the settings ask for, made of the weights
+/// with which triangles are visible in it and, like shading, of where their points are at mid-shutter.
+/// docs/formats.md says what each channel holds. Immutable, for any number of threads.
+class PixelOutputs {
+ public:
+  /// Both shaders must outlive it.
+  PixelOutputs(const Shader& shader, const TexelShader& texels, const RenderSettings& settings);
+
+  /// Floats a pixel.
+  int channels() const { return channels_; }
+  bool empty() const { return channels_ == 0; }
+
+  /// Makes resolvers tell what of visible triangles is needed.
+  void Require(std::vector<PrimitiveTraits>& traits) const;
+
+  /// A pixel whose visible triangles are `pairs`, in any order; several may be of one triangle. `total`: the
+  /// weight of the whole pixel. `instants`: the number of instants of a line, on average. Writes channels()
+  /// floats.
+  void Write(std::span<const PixelPair> pairs, uint64_t total, double instants, std::span<float> out,
+             RenderStats& stats) const;
+
+ private:
+  bool Has(Aov aov) const;
+
+  const Shader& shader_;
+  const TexelShader& texels_;
+  std::vector<Aov> aovs_;
+  std::vector<Matte> mattes_;
+  int channels_ = 0;
+  bool needs_place_ = false;    ///< Some AOV depends on where on a triangle it is seen.
+  bool needs_surface_ = false;  ///< Likewise on what the material is there.
+  MatteMaker object_mattes_, material_mattes_;
+};
+
+}  // namespace shutterline::engine

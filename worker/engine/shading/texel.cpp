@@ -1,0 +1,80 @@
+#include "worker/engine/shading/texel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace shutterline::engine {
+namespace {
+
+/// So many levels that a texel is about 1 / rate pixels wide, in a direction along which `per_pixel` of the
+/// triangle's side is a pixel; -1 if there is no such level.
+int LevelFor(double per_pixel, double rate) {
+  if (!(per_pixel > 0)) return -1;
+  const double level = std::ceil(std::log2(rate / per_pixel) - 0.5);
+  return level <= 0 ? 0 : level <= Texel::kMaxLevel ? int(level) : -1;
+}
+
+/// The column or row of a coordinate; the last one's far border belongs to it.
+uint32_t CellOf(double b, int level) {
+  const double cells = double(1u << level);
+  return uint32_t(std::clamp(std::floor(b * cells), 0.0, cells - 1));
+}
+
+}  // namespace
+
+std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate) {
+  Texel texel;
+  texel.level1 = LevelFor(std::hypot(pixel.db1_dx, pixel.db1_dy), rate);
+  texel.level2 = LevelFor(std::hypot(pixel.db2_dx, pixel.db2_dy), rate);
+  if (texel.level1 < 0 || texel.level2 < 0 || texel.level1 + texel.level2 > Texel::kMaxLevelSum)
+    return std::nullopt;
+  texel.i = CellOf(at.b1, texel.level1);
+  texel.j = CellOf(at.b2, texel.level2);
+  // A point on the triangle's long side may round into a cell that only touches it.
+  const double low =
+      double(texel.i) / double(1u << texel.level1) + double(texel.j) / double(1u << texel.level2);
+  if (low >= 1) {
+    if (texel.i > 0) {
+      --texel.i;
+    } else {
+      --texel.j;
+    }
+  }
+  return texel;
+}
+
+Barycentric Texel::Centre() const {
+  const double width = 1 / double(1u << level1), height = 1 / double(1u << level2);
+  const double x = i * width, y = j * height;
+  const double room = 1 - x - y;  // From its near corner to the long side, along b1 or along b2.
+  if (width + height <= room) return {x + 0.5 * width, y + 0.5 * height};
+  // The rectangle less the corner that is cut off: a triangle of legs `cut`, less what of that lies beyond
+  // the rectangle's other two corners.
+  const auto corner_area = [](double leg) { return 0.5 * leg * leg; };
+  const double area = corner_area(room) - corner_area(std::max(room - width, 0.0)) -
+                      corner_area(std::max(room - height, 0.0));
+  // First moments about the near corner, of right-angled triangles with equal legs: area × leg / 3, shifted.
+  const double beyond_x = std::max(room - width, 0.0), beyond_y = std::max(room - height, 0.0);
+  const double moment_x = corner_area(room) * room / 3 - corner_area(beyond_x) * (width + beyond_x / 3) -
+                          corner_area(beyond_y) * (beyond_y / 3);
+  const double moment_y = corner_area(room) * room / 3 - corner_area(beyond_x) * (beyond_x / 3) -
+                          corner_area(beyond_y) * (height + beyond_y / 3);
+  const double b1 = std::clamp(x + moment_x / area, 0.0, 1.0);
+  return {b1, std::clamp(y + moment_y / area, 0.0, 1 - b1)};
+}
+
+Texel Texel::Parent() const {
+  return {.level1 = std::max(level1 - 1, 0),
+          .level2 = std::max(level2 - 1, 0),
+          .i = level1 > 0 ? i / 2 : i,
+          .j = level2 > 0 ? j / 2 : j};
+}
+
+uint64_t Texel::Key(uint32_t triangle) const {
+  static_assert(kMaxLevel < 16 && 32 + 4 + 4 + kMaxLevelSum == 64);
+  return uint64_t{triangle} << 32 | uint64_t(level1) << 28 | uint64_t(level2) << 24 | uint64_t{i} << level2 |
+         uint64_t{j};
+}
+
+}  // namespace shutterline::engine

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "worker/engine/shading/barycentric.h"
+
+namespace shutterline::engine {
+
+/// A cell of a triangle's barycentric square [0, 1]², cut into 2^level1 columns of b1 and 2^level2 rows of
+/// b2: a pyramid over the triangle whose top is one texel for all of it [gribel2011, appendix B, with levels
+/// of their own for the two directions, so that texels of slivers are not slivers].
+struct Texel {
+  int level1 = 0, level2 = 0;
+  uint32_t i = 0, j = 0;  ///< Column and row.
+
+  friend bool operator==(const Texel&, const Texel&) = default;
+
+  /// The centroid of what of it lies in the triangle; it must reach into it.
+  Barycentric Centre() const;
+  /// The texel that holds this one, one level up in the directions that are not at their top.
+  Texel Parent() const;
+  bool IsTop() const { return level1 == 0 && level2 == 0; }
+  /// Different for different texels of different triangles.
+  uint64_t Key(uint32_t triangle) const;
+
+  static constexpr int kMaxLevel = 15;     ///< Of each direction.
+  static constexpr int kMaxLevelSum = 24;  ///< Of both: what a key has room for.
+};
+
+/// The texel around `at` whose sides are nearest, as powers of two, to 1 / rate pixels, `pixel` being a
+/// pixel's footprint. Nothing where that would be too fine for a key, or the footprint is not known.
+std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate);
+
+}  // namespace shutterline::engine
