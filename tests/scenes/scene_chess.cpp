@@ -45,7 +45,7 @@ Materials AddPlainMaterials(GlbScene& scene) {
           AddMaterial(scene, "white", 0xf3e9d2),         AddMaterial(scene, "black", 0x3d3a4b)};
 }
 
-/// A board of maple, walnut and mahogany on slate, with pieces of white marble and of dark wood.
+/// A board of maple, walnut and mahogany on slabs of slate, pieces of white marble and of rosewood.
 Materials AddTexturedMaterials(GlbScene& scene) {
   const auto add = [&](const char* name, const SurfaceMap& map) {
     return AddSurfaceMaterial(scene, name, AddImages(scene, name, map));
@@ -53,9 +53,9 @@ Materials AddTexturedMaterials(GlbScene& scene) {
   return {add("maple", Wood(512, Maple(), 1)),
           add("walnut", Wood(512, Walnut(), 2)),
           add("mahogany", Wood(512, Mahogany(), 3)),
-          add("slate", Rock(1024, Slate(), 4)),
+          add("slate", FloorTiles(1024, Slate(), 4, 4)),
           add("white marble", Marble(512, WhiteMarble(), 5)),
-          add("ebony", Wood(512, Ebony(), 6))};
+          add("rosewood", Wood(512, Rosewood(), 6))};
 }
 
 V3f Square(int column, int row) {
@@ -65,7 +65,7 @@ V3f Square(int column, int row) {
 /// Squares of 5 × 5 cells, darker beside the pieces that stand there, on a frame and a table.
 void AddBoard(GlbScene& scene, const Materials& materials) {
   constexpr int kCells = 5;
-  constexpr float kBoardsPerMetre = 1 / 2.5f, kSlatesPerMetre = 1 / 9.0f;  // Pictures a metre.
+  constexpr float kBoardsPerMetre = 1 / 2.5f, kSlatesPerMetre = 1 / 10.0f;  // Pictures a metre.
   std::vector<Primitive> board(3);
   board[0].material = materials.light_squares;
   board[1].material = materials.dark_squares;

@@ -71,7 +71,8 @@ Materials AddTexturedMaterials(GlbScene& scene) {
       AddImages(scene, "checkers", MarbleChecker(512, WhiteMarble(), GreenMarble(), 4, 2));
   const SurfaceImages slabs = AddImages(scene, "slabs", FloorTiles(1024, Travertine(), 4, 3));
   return {AddSurfaceMaterial(scene, "tartan", tartan, /*double_sided=*/true),
-          AddSurfaceMaterial(scene, "marble", checkers), AddSurfaceMaterial(scene, "slabs", slabs)};
+          AddSurfaceMaterial(scene, "marble", checkers),
+          AddSurfaceMaterial(scene, "slabs", slabs, /*double_sided=*/false, V3f(0.5f))};
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ Materials AddTexturedMaterials(GlbScene& scene) {
   const auto add = [&](const char* name, const SurfaceMap& map, bool double_sided = false) {
     return AddSurfaceMaterial(scene, name, AddImages(scene, name, map), double_sided);
   };
-  const int walls = add("plaster", Plaster(1024, SrgbCode(0xe6d3b0), 1), true);
+  const int walls = add("plaster", Plaster(1024, SrgbCode(0xf0dcb4), 1), true);
   const int light = add("travertine", FloorTiles(1024, Travertine(), kSlabs, 2));
   const int dark = add("red limestone", FloorTiles(1024, RedLimestone(), kSlabs, 3));
   const int blocks = add("sandstone", Masonry(512, Sandstone(), 6, 4));
@@ -91,8 +91,11 @@ V3f DaylightAt(const V3f& p, const V3f& normal) {
 
 void AddNode(GlbScene& scene, const char* name, int material, Primitive primitive) {
   primitive.material = material;
+  // What bounces from bright textured walls fills the shade.
+  const bool textured = scene.materials[size_t(material)].color_texture.image >= 0;
   for (size_t i = 0; i < primitive.positions.size(); ++i) {
-    primitive.colors.push_back(DaylightAt(primitive.positions[i], primitive.normals[i]));
+    const V3f light = DaylightAt(primitive.positions[i], primitive.normals[i]);
+    primitive.colors.push_back(textured ? V3f(0.4f) + light * 0.55f : light);
   }
   Node node;
   node.name = name;

@@ -70,7 +70,7 @@ SurfaceMap FloorTiles(int size, const StoneKind& kind, int slabs, uint32_t seed)
     point.color = Blend(point.color, kind.joints, 0.75 * holes);
     point.roughness = kind.roughness + 0.12 * layers + 0.1 * grain + 0.4 * holes;
     point.height = (0.0008 * grain - 0.005 * holes) / slabs;
-    CutJoint(point, kind.joints, inside, 0.012, 0.03, 0.012 / slabs);
+    CutJoint(point, kind.joints, inside, 0.009, 0.025, 0.01 / slabs);
     return point;
   });
 }

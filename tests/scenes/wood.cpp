@@ -19,8 +19,8 @@ WoodKind Mahogany() {
   return {SrgbCode(0x8a4426), SrgbCode(0x572112), SrgbCode(0x331009), 8, 0.8, 0.35};
 }
 
-WoodKind Ebony() {
-  return {SrgbCode(0x6b4530), SrgbCode(0x2a1811), SrgbCode(0x150b08), 7, 1.0, 0.32};
+WoodKind Rosewood() {
+  return {SrgbCode(0x85502f), SrgbCode(0x1f0e09), SrgbCode(0x170a06), 12, 1.25, 0.32};
 }
 
 SurfaceMap Wood(int size, const WoodKind& kind, uint32_t seed) {

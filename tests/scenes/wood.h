@@ -15,7 +15,7 @@ struct WoodKind {
 WoodKind Maple();
 WoodKind Walnut();
 WoodKind Mahogany();
-WoodKind Ebony();
+WoodKind Rosewood();
 
 /// A board sawn along the trunk: the grain runs down the picture.
 SurfaceMap Wood(int size, const WoodKind& kind, uint32_t seed);
