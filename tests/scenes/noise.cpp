@@ -55,7 +55,9 @@ double GradientNoise(double x, double y, int period_x, int period_y, uint32_t se
 double FractalNoise(double u, double v, int cells_x, int cells_y, int octaves, uint32_t seed) {
   double sum = 0, height = 1;
   for (int octave = 0; octave < octaves; ++octave) {
-    sum += height * GradientNoise(u * cells_x, v * cells_y, cells_x, cells_y, seed + uint32_t(octave));
+    // Shifted, so that the octaves' lattices, on which noise is zero and steep, do not fall on one another.
+    const double x = u * cells_x + HashOf(octave, 0, seed), y = v * cells_y + HashOf(octave, 1, seed);
+    sum += height * GradientNoise(x, y, cells_x, cells_y, seed + uint32_t(octave));
     height *= 0.5;
     cells_x *= 2;
     cells_y *= 2;

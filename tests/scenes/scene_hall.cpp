@@ -20,7 +20,7 @@ constexpr int kBays = 8;         // Of 3.5 metres each.
 constexpr float kBay = 2 * kHalfLength / kBays;
 
 // Sides of pictures, metres.
-constexpr float kPlaster = 5, kBlocks = 2.4f, kMarble = 1.6f, kBanner = 1.9f;
+constexpr float kPlaster = 4, kBlocks = 2.4f, kMarble = 1.6f, kBanner = 1.9f;
 constexpr int kSlabs = 4;  // Floor tiles along a side of their picture.
 
 int AddMaterial(GlbScene& scene, const char* name, uint32_t rgb, bool double_sided = false) {
@@ -60,7 +60,7 @@ Materials AddTexturedMaterials(GlbScene& scene) {
   const auto add = [&](const char* name, const SurfaceMap& map, bool double_sided = false) {
     return AddSurfaceMaterial(scene, name, AddImages(scene, name, map), double_sided);
   };
-  const int walls = add("plaster", Plaster(1024, SrgbCode(0xf0dcb4), 1), true);
+  const int walls = add("plaster", Plaster(512, SrgbCode(0xf0dcb4), 1), true);
   const int light = add("travertine", FloorTiles(1024, Travertine(), kSlabs, 2));
   const int dark = add("red limestone", FloorTiles(1024, RedLimestone(), kSlabs, 3));
   const int blocks = add("sandstone", Masonry(512, Sandstone(), 6, 4));
