@@ -15,11 +15,11 @@ namespace shutterline::bench {
 
 /// A scene of the report and the frame of it that is rendered.
 struct BenchScene {
-  std::string name;       ///< Unique in the report.
-  std::string generator;  ///< A generated scene's name; empty for a file.
-  scenes::SceneOptions options;
-  std::string path;   ///< Of a file; rendered with unlit flat colours, one a material.
-  bool moves = true;  ///< Counts among the moving scenes.
+  std::string name;              ///< Unique in the report.
+  std::string generator;         ///< A generated scene's name; empty for a file.
+  scenes::SceneOptions options;  ///< Without textures, so that numbers of all dates compare.
+  std::string path;              ///< Of a file; rendered with unlit flat colours, one a material.
+  bool moves = true;             ///< Counts among the moving scenes.
   int frame = 0;
   /// Size, fps, shutter, camera and animation; the method's fields are the contenders' to set.
   RenderSettings settings;

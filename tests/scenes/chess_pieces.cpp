@@ -5,11 +5,13 @@
 
 #include "common/base/check.h"
 #include "tests/scenes/shapes.h"
+#include "tests/scenes/texcoords.h"
 
 namespace shutterline::scenes {
 namespace {
 
 constexpr int kColumns = 20;
+constexpr double kPicture = 1.25;  // Of a picture on a piece, the side: once round a typical girth.
 
 struct Ring {
   double radius, height;
@@ -24,6 +26,16 @@ void AddTurned(Primitive& piece, const std::vector<Ring>& outline,
     const Ring r = cut ? cut(ring, u) : outline[ring];
     const double angle = -2 * M_PI * u;
     return V3f(float(r.radius * std::cos(angle)), float(r.height), float(r.radius * std::sin(angle)));
+  });
+  // Texture coordinates: once round, and up by the outline's length.
+  std::vector<double> length = {0};
+  for (size_t i = 1; i < outline.size(); ++i) {
+    const double out = outline[i].radius - outline[i - 1].radius;
+    const double up = outline[i].height - outline[i - 1].height;
+    length.push_back(length.back() + std::sqrt(out * out + up * up));
+  }
+  MapSurface(piece, kColumns, rows, [&](double u, double v) {
+    return V2f(float(u), float(-length[size_t(std::lround(v * rows))] / kPicture));
   });
 }
 
@@ -125,6 +137,7 @@ void AddKing(Primitive& piece) {
   AddTurned(piece, outline);
   AddBox(piece, V3f(-0.03f, 1.38f, -0.03f), V3f(0.03f, 1.62f, 0.03f));
   AddBox(piece, V3f(-0.1f, 1.48f, -0.028f), V3f(0.1f, 1.54f, 0.028f));
+  MapByFacing(piece, float(1 / kPicture));
 }
 
 /// A neck and head swept along a bent spine, with two ears.
@@ -154,8 +167,10 @@ void AddKnight(Primitive& piece) {
                float(mix(&Section::y) - along * std::sin(lean)),
                float(mix(&Section::z) + along * std::cos(lean)));
   });
+  MapSurface(piece, kColumns, 2 * rows, [&](double u, double v) { return V2f(float(u), float(-v)); });
   for (const float side : {-0.06f, 0.06f}) {
     AddTube(piece, V3f(side, 0.98f, -0.02f), V3f(side * 1.3f, 1.14f, 0.0f), 0.045f, 0.004f, 8);
+    MapSurface(piece, 8, 1, [](double u, double v) { return V2f(float(0.2 * u), float(-0.15 * v)); });
   }
 }
 

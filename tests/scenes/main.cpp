@@ -18,6 +18,7 @@ void PrintScene(const SceneInfo& info) {
   if (info.min_triangles <= info.max_triangles) std::cout << " --triangles";
   if (info.min_tessellation <= info.max_tessellation) std::cout << " --tessellation";
   if (info.max_motion >= 0) std::cout << " --motion";
+  if (info.has_textures) std::cout << " --plain";
   std::cout << "\n";
 }
 
@@ -43,6 +44,8 @@ int main(int argc, char** argv) {
   app.add_option("--motion", options.motion_pixels,
                  "Pixels of motion over the default shutter (0 to 0.5 frames at 24 frames a second) in a "
                  "frame of 1024 × 768");
+  bool plain = false;
+  app.add_flag("--plain", plain, "Without textures, as benchmarks measure the scene");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -57,6 +60,7 @@ int main(int argc, char** argv) {
     return 2;
   }
 
+  options.textured = !plain;
   const absl::StatusOr<shutterline::scenes::GlbScene> scene = GenerateScene(name, options);
   if (!scene.ok()) return Fail(scene.status());
   const std::string bytes = shutterline::scenes::EncodeGlb(*scene);

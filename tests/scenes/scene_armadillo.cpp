@@ -6,6 +6,8 @@
 #include "tests/scenes/random.h"
 #include "tests/scenes/scene_functions.h"
 #include "tests/scenes/shapes.h"
+#include "tests/scenes/skin.h"
+#include "tests/scenes/texcoords.h"
 
 namespace shutterline::scenes {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr double kDepth = 10;
 constexpr float kScale = 1.45f;
 constexpr int kFragments = 160;
+constexpr double kHide = 1.4;     // Of a picture of the skin, the side, metres of the body.
 constexpr double kCell = 0.0185;  // About the side of a cell of the surface, metres, at the default count.
 
 /// A limb from `a` to `b` that swells in the middle, with a grain across it, closed at both ends.
@@ -45,10 +48,17 @@ struct Cells {
   int around, along;
 };
 
+double GirthOf(const Limb& limb) {
+  return 2 * M_PI * (std::max(limb.radius_a, limb.radius_b) + limb.swell);
+}
+
+double LengthOf(const Limb& limb) {
+  return double((limb.b - limb.a).length()) + limb.radius_a + limb.radius_b;
+}
+
 Cells CellsOf(const Limb& limb, double cell) {
-  const double girth = 2 * M_PI * (std::max(limb.radius_a, limb.radius_b) + limb.swell);
-  const double length = double((limb.b - limb.a).length()) + limb.radius_a + limb.radius_b;
-  return {std::max(4, int(std::lround(girth / cell))), std::max(4, int(std::lround(length / cell)))};
+  return {std::max(4, int(std::lround(GirthOf(limb) / cell))),
+          std::max(4, int(std::lround(LengthOf(limb) / cell)))};
 }
 
 void AddLimb(Primitive& body, const Limb& limb, double cell) {
@@ -69,6 +79,10 @@ void AddLimb(Primitive& body, const Limb& limb, double cell) {
     const V3f out = x * float(std::cos(angle)) + y * float(std::sin(angle));
     return limb.a + axis * float(place) + out * float(radius);
   });
+  // The skin goes round a limb a whole number of times, and is as long as the limb.
+  const double around = std::max(1.0, std::round(GirthOf(limb) / kHide)), along = LengthOf(limb) / kHide;
+  MapSurface(body, cells.around, cells.along,
+             [&](double u, double v) { return V2f(float(around * u), float(along * (1 - v))); });
 }
 
 /// A studio: a floor that bends up into a wall, lighter where the light falls.
@@ -95,8 +109,9 @@ int AddStudio(GlbScene& scene, double floor) {
 
 }  // namespace
 
-/// An armadillo of clay that bursts: its skin in pieces, each of which flies and turns on its own, the
-/// faster the nearer it is to where it was hit. Nearly all triangles are smaller than a pixel.
+/// An armadillo, of clay or with a hide of horny plates, that bursts: its skin in pieces, each of which flies
+/// and turns on its own, the faster the nearer it is to where it was hit. Nearly all triangles are smaller
+/// than a pixel.
 GlbScene MakeArmadillo(const SceneOptions& options) {
   const double motion = options.motion_pixels.value_or(50);
   const double wanted = options.triangles.value_or(88120) - 2 * 24 * 24;
@@ -133,9 +148,14 @@ GlbScene MakeArmadillo(const SceneOptions& options) {
       if (vertex < 0) {
         vertex = int64_t(fragment.positions.size());
         const V3f& p = body.positions[triangle[k]];
-        const float band = 0.5f + 0.5f * std::sin(14 * p.y + 3 * p.x);
         fragment.positions.push_back(p - *nearest);
-        fragment.colors.push_back(BakedColor(clay * (1 - band) + flesh * band, body.normals[triangle[k]]));
+        if (options.textured) {
+          fragment.normals.push_back(body.normals[triangle[k]]);
+          fragment.texcoords.push_back(body.texcoords[triangle[k]]);
+        } else {
+          const float band = 0.5f + 0.5f * std::sin(14 * p.y + 3 * p.x);
+          fragment.colors.push_back(BakedColor(clay * (1 - band) + flesh * band, body.normals[triangle[k]]));
+        }
       }
       corners[k] = uint32_t(vertex);
     }
@@ -147,6 +167,11 @@ GlbScene MakeArmadillo(const SceneOptions& options) {
   material.name = "clay";
   material.double_sided = true;
   scene.Add(material);
+  int skin = 0;
+  if (options.textured) {
+    const SurfaceImages hide = AddImages(scene, "hide", Hide(512, 24, 1));
+    skin = AddSurfaceMaterial(scene, "hide", hide, /*double_sided=*/true);
+  }
   AddStudio(scene, 0.3 - 2.15 * double(kScale));
   const Imath::Quatf pose = Turn(V3f(0, 1, 0), 28);
   const V3f place(0.1f, 0.3f, -float(kDepth));
@@ -162,6 +187,7 @@ GlbScene MakeArmadillo(const SceneOptions& options) {
     const V3f axis = random.Direction();
     Node node;
     node.name = "piece";
+    fragments[i].material = skin;
     node.mesh = scene.Add(Mesh{"piece", {std::move(fragments[i])}});
     node.translation = place + pose.rotateVector(seeds[i]) * kScale + flight * float(1.3 * reach);
     node.rotation = Turn(axis, 2 * degrees) * pose;

@@ -6,9 +6,14 @@
 
 #include "tests/scenes/chess_pieces.h"
 #include "tests/scenes/keys.h"
+#include "tests/scenes/marble.h"
+#include "tests/scenes/noise.h"
 #include "tests/scenes/random.h"
 #include "tests/scenes/scene_functions.h"
 #include "tests/scenes/shapes.h"
+#include "tests/scenes/stone.h"
+#include "tests/scenes/texcoords.h"
+#include "tests/scenes/wood.h"
 
 namespace shutterline::scenes {
 namespace {
@@ -29,16 +34,41 @@ int AddMaterial(GlbScene& scene, const char* name, uint32_t rgb) {
   return scene.Add(material);
 }
 
+/// Numbers of the scene's materials.
+struct Materials {
+  int light_squares, dark_squares, frame, table, white, black;
+};
+
+Materials AddPlainMaterials(GlbScene& scene) {
+  return {AddMaterial(scene, "light squares", 0xead7b7), AddMaterial(scene, "dark squares", 0x7a4f35),
+          AddMaterial(scene, "frame", 0x4a2c1d),         AddMaterial(scene, "table", 0x5d737e),
+          AddMaterial(scene, "white", 0xf3e9d2),         AddMaterial(scene, "black", 0x3d3a4b)};
+}
+
+/// A board of maple, walnut and mahogany on slabs of slate, pieces of white marble and of rosewood.
+Materials AddTexturedMaterials(GlbScene& scene) {
+  const auto add = [&](const char* name, const SurfaceMap& map) {
+    return AddSurfaceMaterial(scene, name, AddImages(scene, name, map));
+  };
+  return {add("maple", Wood(512, Maple(), 1)),
+          add("walnut", Wood(512, Walnut(), 2)),
+          add("mahogany", Wood(512, Mahogany(), 3)),
+          add("slate", FloorTiles(1024, Slate(), 4, 4)),
+          add("white marble", Marble(512, WhiteMarble(), 5)),
+          add("rosewood", Wood(512, Rosewood(), 6))};
+}
+
 V3f Square(int column, int row) {
   return V3f(float(column) - 3.5f, 0, float(row) - 3.5f);
 }
 
 /// Squares of 5 × 5 cells, darker beside the pieces that stand there, on a frame and a table.
-void AddBoard(GlbScene& scene) {
+void AddBoard(GlbScene& scene, const Materials& materials) {
   constexpr int kCells = 5;
+  constexpr float kBoardsPerMetre = 1 / 2.5f, kSlatesPerMetre = 1 / 10.0f;  // Pictures a metre.
   std::vector<Primitive> board(3);
-  board[0].material = AddMaterial(scene, "light squares", 0xead7b7);
-  board[1].material = AddMaterial(scene, "dark squares", 0x7a4f35);
+  board[0].material = materials.light_squares;
+  board[1].material = materials.dark_squares;
   const auto shade = [](const V3f& p) {
     float light = 1;
     for (int row = 0; row < 8; ++row) {
@@ -56,26 +86,33 @@ void AddBoard(GlbScene& scene) {
       const V3f centre = Square(column, row);
       AddSurface(squares, kCells, kCells,
                  [&](double u, double v) { return centre + V3f(float(u) - 0.5f, 0, 0.5f - float(v)); });
+      // Every square is cut from another place of the wood.
+      const V2f cut(float(HashOf(column, row, 1)), float(HashOf(column, row, 2)));
+      MapSurface(squares, kCells, kCells,
+                 [&](double u, double v) { return cut + V2f(float(u), float(1 - v)) * kBoardsPerMetre; });
     }
   }
   for (Primitive& squares : board) {
     for (const V3f& p : squares.positions) squares.colors.push_back(shade(p));
   }
-  board[2].material = AddMaterial(scene, "frame", 0x4a2c1d);
+  board[2].material = materials.frame;
   AddBox(board[2], V3f(-4.5f, -0.3f, 4), V3f(4.5f, 0.02f, 4.5f));
   AddBox(board[2], V3f(-4.5f, -0.3f, -4.5f), V3f(4.5f, 0.02f, -4));
+  MapByFacing(board[2], kBoardsPerMetre, V2f(0), /*turned=*/true);  // The grain runs along the planks.
   AddBox(board[2], V3f(4, -0.3f, -4), V3f(4.5f, 0.02f, 4));
   AddBox(board[2], V3f(-4.5f, -0.3f, -4), V3f(-4, 0.02f, 4));
+  MapByFacing(board[2], kBoardsPerMetre);
   Node node;
   node.name = "board";
   node.mesh = scene.Add(Mesh{"board", std::move(board)});
   scene.Add(node);
 
   Primitive table;
-  table.material = AddMaterial(scene, "table", 0x5d737e);
+  table.material = materials.table;
   AddSurface(table, 8, 8, [](double u, double v) {
     return V3f(float(120 * (u - 0.5)), -0.3f, float(120 * (0.5 - v) - 40));
   });
+  MapByFacing(table, kSlatesPerMetre);
   Node under;
   under.name = "table";
   under.mesh = scene.Add(Mesh{"table", {std::move(table)}});
@@ -89,12 +126,12 @@ void AddBoard(GlbScene& scene) {
 GlbScene MakeChess(const SceneOptions& options) {
   const double motion = options.motion_pixels.value_or(40);
   GlbScene scene;
-  AddBoard(scene);
-  const int white = AddMaterial(scene, "white", 0xf3e9d2), black = AddMaterial(scene, "black", 0x3d3a4b);
+  const Materials materials = options.textured ? AddTexturedMaterials(scene) : AddPlainMaterials(scene);
+  AddBoard(scene, materials);
   std::map<char, int> mesh_of;
   for (const char kind : std::string("PRNBQKprnbqk")) {
     Primitive piece = MakeChessPiece(char(std::toupper(kind)));
-    piece.material = std::isupper(kind) ? white : black;
+    piece.material = std::isupper(kind) ? materials.white : materials.black;
     mesh_of[kind] = scene.Add(Mesh{std::string(1, kind), {std::move(piece)}});
   }
   for (int row = 0; row < 8; ++row) {
@@ -143,6 +180,7 @@ GlbScene MakeChess(const SceneOptions& options) {
       scene.nodes[size_t(node)].rotation = Turn(axis, start);
     }
   }
+  if (!options.textured) DropTexcoords(scene);
   scene.Add(CameraNode(scene, {kYfov}, kEye, kTarget));
   return scene;
 }

@@ -1,9 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/scenes/cloth.h"
 #include "tests/scenes/keys.h"
+#include "tests/scenes/marble.h"
+#include "tests/scenes/noise.h"
 #include "tests/scenes/scene_functions.h"
 #include "tests/scenes/shapes.h"
+#include "tests/scenes/stone.h"
+#include "tests/scenes/texcoords.h"
 
 namespace shutterline::scenes {
 namespace {
@@ -14,6 +19,10 @@ constexpr float kSpring = 2.7f;  // Where the arches begin.
 constexpr int kBays = 8;         // Of 3.5 metres each.
 constexpr float kBay = 2 * kHalfLength / kBays;
 
+// Sides of pictures, metres.
+constexpr float kPlaster = 4, kBlocks = 2.4f, kMarble = 1.6f, kBanner = 1.9f;
+constexpr int kSlabs = 4;  // Floor tiles along a side of their picture.
+
 int AddMaterial(GlbScene& scene, const char* name, uint32_t rgb, bool double_sided = false) {
   Material material;
   material.name = name;
@@ -21,6 +30,54 @@ int AddMaterial(GlbScene& scene, const char* name, uint32_t rgb, bool double_sid
   material.unlit = false;
   material.double_sided = double_sided;
   return scene.Add(material);
+}
+
+/// Numbers of the scene's materials.
+struct Materials {
+  int walls, light_tiles, dark_tiles, gallery, columns, arches, vase, cloths[3];
+};
+
+Materials AddPlainMaterials(GlbScene& scene) {
+  const int walls = AddMaterial(scene, "plaster", 0xd8c3a0, true);
+  const int light = AddMaterial(scene, "light tiles", 0xcfc4b0);
+  const int dark = AddMaterial(scene, "dark tiles", 0x8c6f5a);
+  const int gallery = AddMaterial(scene, "stone", 0xc9b28f),
+            columns = AddMaterial(scene, "columns", 0xe3d2b4);
+  const int vase = AddMaterial(scene, "clay", 0xb5603c, true);
+  return {walls,
+          light,
+          dark,
+          gallery,
+          columns,
+          columns,
+          vase,
+          {AddMaterial(scene, "red cloth", 0xa4161a, true), AddMaterial(scene, "green cloth", 0x2d6a4f, true),
+           AddMaterial(scene, "blue cloth", 0x1d4e89, true)}};
+}
+
+/// Plastered walls, a floor of two stones, arches of sandstone blocks on marble columns, woven hangings.
+Materials AddTexturedMaterials(GlbScene& scene) {
+  const auto add = [&](const char* name, const SurfaceMap& map, bool double_sided = false) {
+    return AddSurfaceMaterial(scene, name, AddImages(scene, name, map), double_sided);
+  };
+  const int walls = add("plaster", Plaster(512, SrgbCode(0xf0dcb4), 1), true);
+  const int light = add("travertine", FloorTiles(1024, Travertine(), kSlabs, 2));
+  const int dark = add("red limestone", FloorTiles(1024, RedLimestone(), kSlabs, 3));
+  const int blocks = add("sandstone", Masonry(512, Sandstone(), 6, 4));
+  const int marble = add("marble", Marble(512, CreamMarble(), 5));
+  const int clay = add("terracotta", Rock(512, Terracotta(), 6), true);
+  const auto hanging = [&](const char* name, uint32_t ground, uint32_t figure, uint32_t seed) {
+    return add(name, Banner(512, 96, SrgbCode(ground), SrgbCode(figure), seed), true);
+  };
+  return {walls,
+          light,
+          dark,
+          blocks,
+          marble,
+          blocks,
+          clay,
+          {hanging("red cloth", 0xb3202a, 0xf0c65a, 7), hanging("green cloth", 0x2c7a55, 0xe9dfc3, 8),
+           hanging("blue cloth", 0x23599c, 0xe3c98a, 9)}};
 }
 
 /// Light that falls through the open roof into the nave: less below, behind the columns and in corners.
@@ -34,8 +91,11 @@ V3f DaylightAt(const V3f& p, const V3f& normal) {
 
 void AddNode(GlbScene& scene, const char* name, int material, Primitive primitive) {
   primitive.material = material;
+  // What bounces from bright textured walls fills the shade.
+  const bool textured = scene.materials[size_t(material)].color_texture.image >= 0;
   for (size_t i = 0; i < primitive.positions.size(); ++i) {
-    primitive.colors.push_back(DaylightAt(primitive.positions[i], primitive.normals[i]));
+    const V3f light = DaylightAt(primitive.positions[i], primitive.normals[i]);
+    primitive.colors.push_back(textured ? V3f(0.4f) + light * 0.55f : light);
   }
   Node node;
   node.name = name;
@@ -44,17 +104,16 @@ void AddNode(GlbScene& scene, const char* name, int material, Primitive primitiv
 }
 
 /// The large polygons: walls, gallery and tiles; each wall is of few, that reach past the camera.
-void AddShell(GlbScene& scene) {
+void AddShell(GlbScene& scene, const Materials& materials) {
   Primitive walls;
   for (const float side : {-1.0f, 1.0f}) {
     const float x = side * kHalfWidth, z = side * kHalfLength;
     AddPolygon(walls, {V3f(x, 0, z), V3f(x, 0, -z), V3f(x, kHeight, -z), V3f(x, kHeight, z)});
     AddPolygon(walls, {V3f(-x, 0, z), V3f(x, 0, z), V3f(x, kHeight, z), V3f(-x, kHeight, z)});
   }
-  AddNode(scene, "walls", AddMaterial(scene, "plaster", 0xd8c3a0, true), std::move(walls));
+  MapByFacing(walls, 1 / kPlaster);
+  AddNode(scene, "walls", materials.walls, std::move(walls));
 
-  const int tile_materials[] = {AddMaterial(scene, "light tiles", 0xcfc4b0),
-                                AddMaterial(scene, "dark tiles", 0x8c6f5a)};
   Primitive tiles[2];
   const int columns = 10, rows = 27;
   for (int j = 0; j < rows; ++j) {
@@ -65,9 +124,16 @@ void AddShell(GlbScene& scene) {
       };
       AddPolygon(tiles[(i + j) % 2],
                  {corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+      // A slab of the picture, by chance.
+      const V2f slab(std::floor(float(kSlabs * HashOf(i, j, 1))),
+                     std::floor(float(kSlabs * HashOf(i, j, 2))));
+      for (const V2f& place : {V2f(0, 1), V2f(1, 1), V2f(1, 0), V2f(0, 0)}) {
+        tiles[(i + j) % 2].texcoords.push_back((slab + place) / kSlabs);
+      }
     }
   }
-  for (size_t k = 0; k < 2; ++k) AddNode(scene, "tiles", tile_materials[k], std::move(tiles[k]));
+  AddNode(scene, "tiles", materials.light_tiles, std::move(tiles[0]));
+  AddNode(scene, "tiles", materials.dark_tiles, std::move(tiles[1]));
 
   Primitive gallery;
   for (const float side : {-1.0f, 1.0f}) {
@@ -78,7 +144,8 @@ void AddShell(GlbScene& scene) {
            V3f(side * kAisle + 0.09f, 5.42f, kHalfLength));
     AddBox(gallery, V3f(from, kHeight - 0.3f, -kHalfLength), V3f(to, kHeight, kHalfLength));
   }
-  AddNode(scene, "gallery", AddMaterial(scene, "stone", 0xc9b28f), std::move(gallery));
+  MapByFacing(gallery, 1 / kBlocks);
+  AddNode(scene, "gallery", materials.gallery, std::move(gallery));
 }
 
 /// A column from `foot` of `height`, thicker at foot and capital.
@@ -95,6 +162,15 @@ void AddColumn(Primitive& stone, const V3f& foot, float height, float radius, in
     const double angle = -2 * M_PI * u;
     return foot + V3f(float(radius * r.radius * std::cos(angle)), float(height * r.height),
                       float(radius * r.radius * std::sin(angle)));
+  });
+  // Every column is of another place of the marble, which goes round it a whole number of times, or to the
+  // back and forth again where it is thin.
+  const double girth = 2 * M_PI * double(radius) / double(kMarble), times = std::round(girth);
+  const int number = int(std::lround(8 * foot.z)), side = foot.x > 0 ? 1 : -1;
+  const V2f cut(float(HashOf(number, side, 1)), float(HashOf(number, side, 2)));
+  MapSurface(stone, sides, rows, [&](double u, double v) {
+    const double around = times >= 1 ? times * u : girth * (0.5 - std::abs(u - 0.5));
+    return cut + V2f(float(around), -height * float(rings[size_t(std::lround(v * rows))].height) / kMarble);
   });
 }
 
@@ -120,8 +196,12 @@ void AddArch(Primitive& stone, float x, float z0, float z1) {
       AddPolygon(stone, corners);
     }
   }
+  MapByFacing(stone, 1 / kBlocks);
   AddSurface(stone, kSteps, 4,
              [&](double u, double v) { return arc(u) + V3f(x + kThickness * float(v - 0.5), 0, 0); });
+  MapSurface(stone, kSteps, 4, [&](double u, double v) {
+    return V2f(kThickness * float(v), radius * float(M_PI * u)) / kBlocks;
+  });
 }
 
 /// A curtain that hangs in folds between two columns of the upper floor.
@@ -131,6 +211,8 @@ void AddCurtain(Primitive& cloth, float x, float z0, float z1, double phase) {
     const double sag = 0.18 * std::sin(M_PI * u) * (1 - v);
     return V3f(x + float(fold), float(0.65 + 2.25 * v + sag), z0 + (z1 - z0) * float(u));
   });
+  MapSurface(cloth, 44, 24,
+             [&](double u, double v) { return V2f((z1 - z0) * float(u), 2.25f * float(1 - v)) / kBanner; });
 }
 
 /// A round vase for every second bay.
@@ -140,6 +222,7 @@ void AddVase(Primitive& clay, const V3f& foot) {
     const double radius = 0.12 + 0.26 * std::pow(std::sin(M_PI * (0.08 + 0.8 * v)), 2) + (v > 0.9 ? 0.06 : 0);
     return foot + V3f(float(radius * std::cos(angle)), float(1.1 * v), float(radius * std::sin(angle)));
   });
+  MapSurface(clay, 24, 16, [](double u, double v) { return V2f(float(2 * u), float(1 - v)); });
 }
 
 }  // namespace
@@ -149,33 +232,31 @@ void AddVase(Primitive& clay, const V3f& foot) {
 GlbScene MakeHall(const SceneOptions& options) {
   const double motion = options.motion_pixels.value_or(32);
   GlbScene scene;
-  AddShell(scene);
-  const int stone = AddMaterial(scene, "columns", 0xe3d2b4);
-  const int vase = AddMaterial(scene, "clay", 0xb5603c, true);
-  const int cloths[] = {AddMaterial(scene, "red cloth", 0xa4161a, true),
-                        AddMaterial(scene, "green cloth", 0x2d6a4f, true),
-                        AddMaterial(scene, "blue cloth", 0x1d4e89, true)};
+  const Materials materials = options.textured ? AddTexturedMaterials(scene) : AddPlainMaterials(scene);
+  AddShell(scene, materials);
   for (const float side : {-1.0f, 1.0f}) {
     const float x = side * kAisle;
     for (int i = 0; i <= kBays; ++i) {
       const float z = -kHalfLength + kBay * float(i);
-      Primitive columns;
+      // Plain columns and arches are of one stone and one mesh; of two stones they are two.
+      Primitive columns, blocks;
       AddColumn(columns, V3f(x, 0, z), kSpring, 0.27f);
       AddColumn(columns, V3f(x, 5.42f, z), kHeight - 0.3f - 5.42f, 0.16f);
       for (int k = 1; k < 8 && i < kBays; ++k) {  // Balusters.
         AddColumn(columns, V3f(x, 4.45f, z + kBay * float(k) / 8), 0.85f, 0.05f, 6);
       }
-      if (i < kBays) AddArch(columns, x, z, z + kBay);
-      AddNode(scene, "bay", stone, std::move(columns));
+      if (i < kBays) AddArch(options.textured ? blocks : columns, x, z, z + kBay);
+      AddNode(scene, "bay", materials.columns, std::move(columns));
+      if (!blocks.positions.empty()) AddNode(scene, "arch", materials.arches, std::move(blocks));
       if (i == kBays) continue;
       if (i % 2 == (side > 0 ? 1 : 0)) {
         Primitive curtain;
         AddCurtain(curtain, side * (kAisle + 0.35f), z + 0.35f, z + kBay - 0.35f, i);
-        AddNode(scene, "curtain", cloths[i % 3], std::move(curtain));
+        AddNode(scene, "curtain", materials.cloths[i % 3], std::move(curtain));
       } else {
         Primitive clay;
         AddVase(clay, V3f(side * (kAisle - 0.5f), 0, z + kBay / 2));
-        AddNode(scene, "vase", vase, std::move(clay));
+        AddNode(scene, "vase", materials.vase, std::move(clay));
       }
     }
   }
@@ -190,6 +271,8 @@ GlbScene MakeHall(const SceneOptions& options) {
   above.name = "sky";
   above.mesh = scene.Add(Mesh{"sky", {std::move(sky)}});
   scene.Add(above);
+
+  if (!options.textured) DropTexcoords(scene);
 
   const V3f eye(1.6f, 1.9f, 9.2f), target(-0.9f, 2.3f, 0);
   // Pixels at the middle of the picture, where a metre at a distance of one metre is a radian.
