@@ -74,7 +74,7 @@ V3f PointProbe::Radiance(const ProbeHit& hit, double t) const {
   if (shader_.IsConstant(primitive)) {
     return shader_.Shade(hit.triangle, at, engine::Footprint{});
   }
-  RasterPoint vertices[3];
+  std::array<RasterPoint, 3> vertices;
   for (int i = 0; i < 3; ++i) {
     vertices[i] = frame_scene_->VertexAt(primitive, triangle.vertices[size_t(i)], t);
   }

@@ -10,6 +10,11 @@
 namespace shutterline::engine {
 namespace {
 
+/// Some use both halves.
+TexelKey KeyOf(uint64_t number) {
+  return {number, uint32_t(number % 3) << 29};
+}
+
 /// What a key's shading is, whoever asks.
 Shaded Truth(uint32_t frame, uint64_t key) {
   const auto x = float((key * 0x9e3779b97f4a7c15u >> 40) + frame);
@@ -27,17 +32,20 @@ TEST(ShadingCache, KeepsWhatIsStoredByFrameAndKey) {
   const uint32_t one = cache->OpenFrame(), two = cache->OpenFrame();
   EXPECT_NE(one, two);
   Shaded found;
-  EXPECT_FALSE(cache->Find(one, 5, found));
-  EXPECT_EQ(cache->Store(one, 5, Truth(one, 5)), ShadingCache::Outcome::kStored);
-  EXPECT_EQ(cache->Store(one, 5, Truth(one, 5)), ShadingCache::Outcome::kDuplicate);
-  ASSERT_TRUE(cache->Find(one, 5, found));
+  EXPECT_FALSE(cache->Find(one, KeyOf(5), found));
+  EXPECT_EQ(cache->Store(one, KeyOf(5), Truth(one, 5)), ShadingCache::Outcome::kStored);
+  EXPECT_EQ(cache->Store(one, KeyOf(5), Truth(one, 5)), ShadingCache::Outcome::kDuplicate);
+  ASSERT_TRUE(cache->Find(one, KeyOf(5), found));
   EXPECT_EQ(found, Truth(one, 5));
-  EXPECT_FALSE(cache->Find(two, 5, found));
-  EXPECT_FALSE(cache->Find(one, 6, found));
+  EXPECT_FALSE(cache->Find(two, KeyOf(5), found));
+  EXPECT_FALSE(cache->Find(one, KeyOf(6), found));
+  // Halves of keys are not keys.
+  EXPECT_FALSE(cache->Find(one, TexelKey{5, 0}, found));
+  EXPECT_FALSE(cache->Find(one, TexelKey{6, KeyOf(5).high}, found));
   // Key 0 is a key.
-  EXPECT_FALSE(cache->Find(one, 0, found));
-  EXPECT_EQ(cache->Store(one, 0, Truth(one, 0)), ShadingCache::Outcome::kStored);
-  EXPECT_TRUE(cache->Find(one, 0, found));
+  EXPECT_FALSE(cache->Find(one, KeyOf(0), found));
+  EXPECT_EQ(cache->Store(one, KeyOf(0), Truth(one, 0)), ShadingCache::Outcome::kStored);
+  EXPECT_TRUE(cache->Find(one, KeyOf(0), found));
 }
 
 TEST(ShadingCache, IsOfTheSizeThatWasAskedForAndSaysWhenItIsFull) {
@@ -47,26 +55,26 @@ TEST(ShadingCache, IsOfTheSizeThatWasAskedForAndSaysWhenItIsFull) {
   const auto cache = Make(1);
   const uint32_t frame = cache->OpenFrame();
   for (uint64_t key = 1; key <= 4; ++key) {
-    EXPECT_EQ(cache->Store(frame, key, Truth(frame, key)), ShadingCache::Outcome::kStored);
+    EXPECT_EQ(cache->Store(frame, KeyOf(key), Truth(frame, key)), ShadingCache::Outcome::kStored);
   }
-  EXPECT_EQ(cache->Store(frame, 5, Truth(frame, 5)), ShadingCache::Outcome::kFull);
+  EXPECT_EQ(cache->Store(frame, KeyOf(5), Truth(frame, 5)), ShadingCache::Outcome::kFull);
   Shaded found;
-  EXPECT_FALSE(cache->Find(frame, 5, found));
-  for (uint64_t key = 1; key <= 4; ++key) EXPECT_TRUE(cache->Find(frame, key, found));
+  EXPECT_FALSE(cache->Find(frame, KeyOf(5), found));
+  for (uint64_t key = 1; key <= 4; ++key) EXPECT_TRUE(cache->Find(frame, KeyOf(key), found));
 }
 
 TEST(ShadingCache, ClosedFramesMakeRoomOpenOnesDoNot) {
   const auto cache = Make(1);
   const uint32_t first = cache->OpenFrame();
   const uint32_t second = cache->OpenFrame();
-  for (uint64_t key = 1; key <= 4; ++key) cache->Store(first, key, Truth(first, key));
-  EXPECT_EQ(cache->Store(second, 9, Truth(second, 9)), ShadingCache::Outcome::kFull);
+  for (uint64_t key = 1; key <= 4; ++key) cache->Store(first, KeyOf(key), Truth(first, key));
+  EXPECT_EQ(cache->Store(second, KeyOf(9), Truth(second, 9)), ShadingCache::Outcome::kFull);
   cache->CloseFrame(first);
-  EXPECT_EQ(cache->Store(second, 9, Truth(second, 9)), ShadingCache::Outcome::kStored);
+  EXPECT_EQ(cache->Store(second, KeyOf(9), Truth(second, 9)), ShadingCache::Outcome::kStored);
   const uint32_t third = cache->OpenFrame();
   cache->CloseFrame(third);
   Shaded found;
-  EXPECT_TRUE(cache->Find(second, 9, found));
+  EXPECT_TRUE(cache->Find(second, KeyOf(9), found));
   EXPECT_EQ(found, Truth(second, 9));
 }
 
@@ -86,12 +94,12 @@ TEST(ShadingCache, NeverTellsAnythingWrongUnderContention) {
       for (int i = 0; i < 2000; ++i) {
         const uint64_t key = random() % 300;
         Shaded found;
-        if (cache->Find(own, key, found)) {
+        if (cache->Find(own, KeyOf(key), found)) {
           ++hits;
           if (!(found == Truth(own, key))) ++wrong;
           continue;
         }
-        switch (cache->Store(own, key, Truth(own, key))) {
+        switch (cache->Store(own, KeyOf(key), Truth(own, key))) {
           case ShadingCache::Outcome::kStored:
             ++stored;
             break;
@@ -127,9 +135,9 @@ TEST(ShadingCache, ThreadsOfOneFrameShareWithoutLosingAnything) {
       for (int i = 0; i < 20'000; ++i) {
         const uint64_t key = random() % kKeys;
         Shaded found;
-        if (!cache->Find(frame, key, found)) {
+        if (!cache->Find(frame, KeyOf(key), found)) {
           ++shaded;
-          cache->Store(frame, key, Truth(frame, key));
+          cache->Store(frame, KeyOf(key), Truth(frame, key));
         } else if (!(found == Truth(frame, key))) {
           ++wrong;
         }
@@ -141,7 +149,7 @@ TEST(ShadingCache, ThreadsOfOneFrameShareWithoutLosingAnything) {
   EXPECT_GE(shaded, int64_t(kKeys));
   // 2000 keys in 8192 buckets of four: none overflows.
   Shaded found;
-  for (uint64_t key = 0; key < kKeys; ++key) EXPECT_TRUE(cache->Find(frame, key, found)) << key;
+  for (uint64_t key = 0; key < kKeys; ++key) EXPECT_TRUE(cache->Find(frame, KeyOf(key), found)) << key;
 }
 
 }  // namespace

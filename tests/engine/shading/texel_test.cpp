@@ -84,14 +84,15 @@ TEST(Texel, PointsOnTheLongSideAreInTexelsOfTheTriangle) {
 
 TEST(Texel, WithoutAFootprintOrRoomThereIsNone) {
   EXPECT_FALSE(TexelAt({0.1, 0.1}, {}, 1).has_value());
-  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(1e-6, 1), 1).has_value());
-  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-13), std::exp2(-12)), 1).has_value());
-  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-12), std::exp2(-12)), 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-32), 1), 1).has_value());
+  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-31), 1), 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-27), std::exp2(-27)), 1).has_value());
+  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-27), std::exp2(-26)), 1).has_value());
   EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::nan(""), 1), 1).has_value());
 }
 
 TEST(Texel, KeysDifferAndParentsHoldTheirChildren) {
-  std::set<uint64_t> keys;
+  std::set<TexelKey> keys;
   size_t count = 0;
   for (const uint32_t triangle : {0u, 1u, 0xffffffffu}) {
     for (int level1 = 0; level1 <= 4; ++level1) {
@@ -99,7 +100,7 @@ TEST(Texel, KeysDifferAndParentsHoldTheirChildren) {
         for (uint32_t i = 0; i < 1u << level1; ++i) {
           for (uint32_t j = 0; j < 1u << level2; ++j) {
             const Texel texel{level1, level2, i, j};
-            keys.insert(texel.Key(triangle));
+            keys.insert(texel.KeyOf(triangle));
             ++count;
             if (texel.IsTop()) continue;
             const Texel parent = texel.Parent();
@@ -112,6 +113,13 @@ TEST(Texel, KeysDifferAndParentsHoldTheirChildren) {
     }
   }
   EXPECT_EQ(keys.size(), count);
+  // Far down every bit of the place counts.
+  const Texel deep{27, 26, 0x5555555, 0x2aaaaaa};
+  std::set<TexelKey> others{deep.KeyOf(7)};
+  for (int bit = 0; bit < 27; ++bit) others.insert(Texel{27, 26, deep.i ^ 1u << bit, deep.j}.KeyOf(7));
+  for (int bit = 0; bit < 26; ++bit) others.insert(Texel{27, 26, deep.i, deep.j ^ 1u << bit}.KeyOf(7));
+  EXPECT_EQ(others.size(), 54u);
+  EXPECT_LT(deep.KeyOf(7).high, 1u << 31);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "common/math/tolerance.h"
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/stage_timer.h"
+#include "worker/engine/render/tile_texels.h"
 #include "worker/engine/shading/footprint.h"
 
 namespace shutterline::engine {
@@ -86,8 +87,9 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
+  TileTexels tile_texels(texels_, stats);
   ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
-                 [this](uint32_t triangle) { return GuessOf(triangle); });
+                 [this](uint32_t triangle) { return GuessOf(triangle); }, &tile_texels);
   if (!outputs_.empty()) film.KeepPairs();
   const int64_t lines_before = stats.lines, instants_before = stats.instants;
   resolver_->Resolve({*frame_, required_traits_, part, candidates, this}, weights, &film, stats);

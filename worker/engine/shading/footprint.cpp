@@ -4,7 +4,7 @@
 
 namespace shutterline::engine {
 
-Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at) {
+Footprint PixelFootprint(const std::array<RasterPoint, 3>& vertices, const Barycentric& at) {
   const RasterPoint edge1 = vertices[1] - vertices[0];
   const RasterPoint edge2 = vertices[2] - vertices[0];
   const RasterPoint p = vertices[0] + (at.b1 * edge1 + at.b2 * edge2);
@@ -29,7 +29,7 @@ Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at
 Footprint PixelFootprintAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t) {
   const FrameTriangle& corners = frame.triangles[triangle];
   const FramePrimitive& primitive = frame.primitives[corners.primitive];
-  RasterPoint vertices[3];
+  std::array<RasterPoint, 3> vertices;
   for (size_t i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, corners.vertices[i], t);
   return PixelFootprint(vertices, at);
 }

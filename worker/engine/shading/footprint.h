@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/shading/barycentric.h"
@@ -10,7 +12,7 @@ namespace shutterline::engine {
 /// in homogeneous raster space: the inverse of the Jacobian of raster position with respect to (b1, b2).
 /// Zeros where the triangle is seen edge-on, so that it has no such inverse, or the point is not in
 /// front of the camera.
-Footprint PixelFootprint(const RasterPoint (&vertices)[3], const Barycentric& at);
+Footprint PixelFootprint(const std::array<RasterPoint, 3>& vertices, const Barycentric& at);
 
 /// Of a triangle of the frame at shutter time t.
 Footprint PixelFootprintAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t);

@@ -60,17 +60,18 @@ void ShadingCache::CloseFrame(uint32_t frame) {
   oldest_open_.store(open_.empty() ? next_frame_ : *open_.begin(), std::memory_order_release);
 }
 
-ShadingCache::Entry* ShadingCache::BucketOf(uint32_t frame, uint64_t key) const {
-  const uint64_t hash = Mix(key ^ uint64_t{frame} * 0x9e3779b97f4a7c15u);
+ShadingCache::Entry* ShadingCache::BucketOf(uint32_t frame, const TexelKey& key) const {
+  const uint64_t hash = Mix(key.low ^ Mix(uint64_t{key.high} << 32 | frame));
   return &entries_[kPerBucket * size_t(hash & (buckets_ - 1))];
 }
 
-bool ShadingCache::Find(uint32_t frame, uint64_t key, Shaded& shaded) const {
+bool ShadingCache::Find(uint32_t frame, const TexelKey& key, Shaded& shaded) const {
   const Entry* bucket = BucketOf(frame, key);
+  const uint64_t wanted = StateOf(frame, key);
   for (size_t i = 0; i < kPerBucket; ++i) {
     const Entry& entry = bucket[i];
-    if (entry.state.load(std::memory_order_acquire) != 2 * uint64_t{frame}) continue;
-    if (entry.key.load(std::memory_order_relaxed) != key) continue;
+    if (entry.state.load(std::memory_order_acquire) != wanted) continue;
+    if (entry.key_low.load(std::memory_order_relaxed) != key.low) continue;
     const uint64_t red_green = entry.red_green.load(std::memory_order_relaxed);
     const uint64_t blue_openness = entry.blue_openness.load(std::memory_order_relaxed);
     shaded = {{Low(red_green), High(red_green), Low(blue_openness)}, High(blue_openness)};
@@ -79,20 +80,20 @@ bool ShadingCache::Find(uint32_t frame, uint64_t key, Shaded& shaded) const {
   return false;
 }
 
-ShadingCache::Outcome ShadingCache::Store(uint32_t frame, uint64_t key, const Shaded& shaded) {
+ShadingCache::Outcome ShadingCache::Store(uint32_t frame, const TexelKey& key, const Shaded& shaded) {
   Entry* bucket = BucketOf(frame, key);
+  const uint64_t readable = StateOf(frame, key);
   for (size_t i = 0; i < kPerBucket; ++i) {
     Entry& entry = bucket[i];
     uint64_t state = entry.state.load(std::memory_order_acquire);
-    if (state == 2 * uint64_t{frame} && entry.key.load(std::memory_order_relaxed) == key)
+    if (state == readable && entry.key_low.load(std::memory_order_relaxed) == key.low)
       return Outcome::kDuplicate;
     if (!IsFree(state)) continue;
-    if (!entry.state.compare_exchange_strong(state, 2 * uint64_t{frame} + 1, std::memory_order_acq_rel))
-      continue;
-    entry.key.store(key, std::memory_order_relaxed);
+    if (!entry.state.compare_exchange_strong(state, readable + 1, std::memory_order_acq_rel)) continue;
+    entry.key_low.store(key.low, std::memory_order_relaxed);
     entry.red_green.store(Pack(shaded.radiance.x, shaded.radiance.y), std::memory_order_relaxed);
     entry.blue_openness.store(Pack(shaded.radiance.z, shaded.openness), std::memory_order_relaxed);
-    entry.state.store(2 * uint64_t{frame}, std::memory_order_release);
+    entry.state.store(readable, std::memory_order_release);
     return Outcome::kStored;
   }
   return Outcome::kFull;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "worker/engine/shading/shaded.h"
+#include "worker/engine/shading/texel.h"
 
 namespace shutterline::engine {
 
@@ -35,14 +36,14 @@ class ShadingCache {
   void CloseFrame(uint32_t frame);
 
   /// True, and the shading, if it is there.
-  bool Find(uint32_t frame, uint64_t key, Shaded& shaded) const;
+  bool Find(uint32_t frame, const TexelKey& key, Shaded& shaded) const;
 
   enum class Outcome {
     kStored,
     kDuplicate,  ///< It was there: another thread has shaded the same meanwhile.
     kFull,       ///< There is no room for it.
   };
-  Outcome Store(uint32_t frame, uint64_t key, const Shaded& shaded);
+  Outcome Store(uint32_t frame, const TexelKey& key, const Shaded& shaded);
 
   size_t entries() const { return kPerBucket * buckets_; }
 
@@ -51,15 +52,20 @@ class ShadingCache {
   /// writing it. The rest is written only by the thread that took it, before it becomes readable.
   struct Entry {
     std::atomic<uint64_t> state;
-    std::atomic<uint64_t> key;
+    std::atomic<uint64_t> key_low;
     std::atomic<uint64_t> red_green;
     std::atomic<uint64_t> blue_openness;
   };
   static constexpr size_t kPerBucket = 4;  ///< Two cache lines.
 
-  Entry* BucketOf(uint32_t frame, uint64_t key) const;
+  /// Of a readable entry.
+  static uint64_t StateOf(uint32_t frame, const TexelKey& key) {
+    return uint64_t{key.high} << 33 | uint64_t{frame} << 1;
+  }
+  Entry* BucketOf(uint32_t frame, const TexelKey& key) const;
   bool IsFree(uint64_t state) const {
-    return state == 0 || state < 2 * oldest_open_.load(std::memory_order_acquire);
+    constexpr uint64_t kFrame = (uint64_t{1} << 33) - 1;
+    return (state & kFrame) < 2 * oldest_open_.load(std::memory_order_acquire);
   }
 
   struct Release {
@@ -91,8 +97,8 @@ class CachedFrame {
   }
 
   explicit operator bool() const { return cache_ != nullptr; }
-  bool Find(uint64_t key, Shaded& shaded) const { return cache_->Find(frame_, key, shaded); }
-  ShadingCache::Outcome Store(uint64_t key, const Shaded& shaded) const {
+  bool Find(const TexelKey& key, Shaded& shaded) const { return cache_->Find(frame_, key, shaded); }
+  ShadingCache::Outcome Store(const TexelKey& key, const Shaded& shaded) const {
     return cache_->Store(frame_, key, shaded);
   }
 

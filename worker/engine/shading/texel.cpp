@@ -7,17 +7,22 @@
 namespace shutterline::engine {
 namespace {
 
-/// So many levels that a texel is about 1 / rate pixels wide, in a direction along which `per_pixel` of the
-/// triangle's side is a pixel; -1 if there is no such level.
-int LevelFor(double per_pixel, double rate) {
-  if (!(per_pixel > 0)) return -1;
-  const double level = std::ceil(std::log2(rate / per_pixel) - 0.5);
-  return level <= 0 ? 0 : level <= Texel::kMaxLevel ? int(level) : -1;
+/// So many levels that a texel is about 1 / rate pixels wide, between 1/√2 and √2 of it, in a direction along
+/// which √`squared` of the triangle's side is a pixel; -1 if there is no such level. By the exponent's bits,
+/// so that it is the same on all machines.
+int LevelFor(double squared, double rate) {
+  const double texels = rate * rate / squared;  // Along the side, squared.
+  if (!(texels <= 0x1p62) || !(texels >= 0)) return -1;
+  if (texels <= 2) return 0;
+  // The least level with 4^level >= texels / 2.
+  int exponent = 0;
+  const double fraction = std::frexp(texels, &exponent);  // In [1/2, 1).
+  return fraction == 0.5 ? (exponent - 1) / 2 : exponent / 2;
 }
 
 /// The column or row of a coordinate; the last one's far border belongs to it.
 uint32_t CellOf(double b, int level) {
-  const double cells = double(1u << level);
+  const double cells = double(uint64_t{1} << level);
   return uint32_t(std::clamp(std::floor(b * cells), 0.0, cells - 1));
 }
 
@@ -25,15 +30,15 @@ uint32_t CellOf(double b, int level) {
 
 std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate) {
   Texel texel;
-  texel.level1 = LevelFor(std::hypot(pixel.db1_dx, pixel.db1_dy), rate);
-  texel.level2 = LevelFor(std::hypot(pixel.db2_dx, pixel.db2_dy), rate);
+  texel.level1 = LevelFor(pixel.db1_dx * pixel.db1_dx + pixel.db1_dy * pixel.db1_dy, rate);
+  texel.level2 = LevelFor(pixel.db2_dx * pixel.db2_dx + pixel.db2_dy * pixel.db2_dy, rate);
   if (texel.level1 < 0 || texel.level2 < 0 || texel.level1 + texel.level2 > Texel::kMaxLevelSum)
     return std::nullopt;
   texel.i = CellOf(at.b1, texel.level1);
   texel.j = CellOf(at.b2, texel.level2);
   // A point on the triangle's long side may round into a cell that only touches it.
-  const double low =
-      double(texel.i) / double(1u << texel.level1) + double(texel.j) / double(1u << texel.level2);
+  const double low = double(texel.i) / double(uint64_t{1} << texel.level1) +
+                     double(texel.j) / double(uint64_t{1} << texel.level2);
   if (low >= 1) {
     if (texel.i > 0) {
       --texel.i;
@@ -45,7 +50,7 @@ std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, doub
 }
 
 Barycentric Texel::Centre() const {
-  const double width = 1 / double(1u << level1), height = 1 / double(1u << level2);
+  const double width = 1 / double(uint64_t{1} << level1), height = 1 / double(uint64_t{1} << level2);
   const double x = i * width, y = j * height;
   const double room = 1 - x - y;  // From its near corner to the long side, along b1 or along b2.
   if (width + height <= room) return {x + 0.5 * width, y + 0.5 * height};
@@ -71,10 +76,13 @@ Texel Texel::Parent() const {
           .j = level2 > 0 ? j / 2 : j};
 }
 
-uint64_t Texel::Key(uint32_t triangle) const {
-  static_assert(kMaxLevel < 16 && 32 + 4 + 4 + kMaxLevelSum == 64);
-  return uint64_t{triangle} << 32 | uint64_t(level1) << 28 | uint64_t(level2) << 24 | uint64_t{i} << level2 |
-         uint64_t{j};
+TexelKey Texel::KeyOf(uint32_t triangle) const {
+  constexpr int kLowBits = 64 - 32 - 2 * 5;
+  static_assert(kMaxLevel < 32 && kMaxLevelSum == kLowBits + 31);
+  const uint64_t place = uint64_t{i} << level2 | uint64_t{j};
+  return {.low = uint64_t{triangle} << 32 | uint64_t(level1) << (5 + kLowBits) |
+                 uint64_t(level2) << kLowBits | (place & ((uint64_t{1} << kLowBits) - 1)),
+          .high = uint32_t(place >> kLowBits)};
 }
 
 }  // namespace shutterline::engine

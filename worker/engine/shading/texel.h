@@ -1,11 +1,20 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 
 #include "worker/engine/shading/barycentric.h"
 
 namespace shutterline::engine {
+
+/// Different for different texels of different triangles.
+struct TexelKey {
+  uint64_t low = 0;
+  uint32_t high = 0;  ///< 31 bits.
+
+  friend auto operator<=>(const TexelKey&, const TexelKey&) = default;
+};
 
 /// A cell of a triangle's barycentric square [0, 1]², cut into 2^level1 columns of b1 and 2^level2 rows of
 /// b2: a pyramid over the triangle whose top is one texel for all of it [gribel2011, appendix B, with levels
@@ -21,11 +30,10 @@ struct Texel {
   /// The texel that holds this one, one level up in the directions that are not at their top.
   Texel Parent() const;
   bool IsTop() const { return level1 == 0 && level2 == 0; }
-  /// Different for different texels of different triangles.
-  uint64_t Key(uint32_t triangle) const;
+  TexelKey KeyOf(uint32_t triangle) const;
 
-  static constexpr int kMaxLevel = 15;     ///< Of each direction.
-  static constexpr int kMaxLevelSum = 24;  ///< Of both: what a key has room for.
+  static constexpr int kMaxLevel = 31;     ///< Of each direction.
+  static constexpr int kMaxLevelSum = 53;  ///< Of both: what a key has room for.
 };
 
 /// The texel around `at` whose sides are nearest, as powers of two, to 1 / rate pixels, `pixel` being a

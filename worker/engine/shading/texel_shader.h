@@ -1,12 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "common/job/render_settings.h"
 #include "common/job/render_stats.h"
-#include "common/math/spaces.h"
+#include "worker/engine/scene/motion.h"
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine/shading/texel.h"
@@ -19,22 +20,35 @@ namespace shutterline::engine {
 /// pixel there at mid-shutter; elsewhere it is its own. Thread-safe.
 class TexelShader {
  public:
+  /// Where a triangle's corners are at mid-shutter.
+  using Corners = std::array<RasterPoint, 3>;
+
   /// `shader` must outlive it. `cache` may be null: texels are then shaded whenever they are asked for, and
   /// pictures are the same.
   TexelShader(const Shader& shader, const RenderSettings& settings, std::shared_ptr<ShadingCache> cache);
 
-  /// A point that is seen at shutter time t.
+  /// Does a triangle have texels?
+  bool HasTexels(uint32_t triangle) const {
+    return has_texels_[shader_.frame().triangles[triangle].primitive];
+  }
+  Corners CornersOf(uint32_t triangle) const;
+  /// A point of a triangle that has texels.
+  Shaded ShadeOnTexels(uint32_t triangle, const Corners& corners, const Barycentric& at,
+                       RenderStats& stats) const;
+
+  /// A point that is seen at shutter time t, with texels or without.
   Shaded Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
 
  private:
-  Shaded ShadeTexel(uint32_t triangle, const Texel& texel, RenderStats& stats) const;
+  Shaded ShadeTexel(uint32_t triangle, const Corners& corners, const Texel& texel, RenderStats& stats) const;
+  void Propagate(uint32_t triangle, Texel texel, const Shaded& shaded) const;
 
   const Shader& shader_;
   double rate_;
   bool propagates_;
   CachedFrame cache_;
-  std::vector<bool> uses_texels_;  // By primitive.
-  std::vector<bool> textured_;     // Likewise.
+  std::vector<bool> has_texels_;  // By primitive.
+  std::vector<bool> textured_;    // Likewise.
 };
 
 }  // namespace shutterline::engine

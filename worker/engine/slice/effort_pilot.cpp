@@ -55,7 +55,7 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
                     .space_difference = std::sqrt(space_sum / values)};
   for (uint32_t i = 0; i < strata.mesh().triangles().size(); ++i) {
     const TileMeshTriangle& triangle = strata.mesh().triangles()[i];
-    if (triangle.shading_bins_log2 > 0 && colors.WasSeen(i)) {
+    if (triangle.shading_bins_log2 > 0 && colors.WasSeen(i) && !colors.IsByPoints(i)) {
       findings.textured_motion_pixels =
           std::max(findings.textured_motion_pixels, double(triangle.motion_pixels));
     }

@@ -33,13 +33,16 @@ void TileColors::Begin(const TileMesh& mesh, ColorFilm* film) {
 }
 
 void TileColors::Shade(uint32_t index) {
+  const uint32_t id = mesh_->triangles()[index].id;
+  if (guesses_ && film_->HasPoints(id)) return ShadeByPoints(index);
   if (guesses_) {
-    const V3f color = film_->Guess(mesh_->triangles()[index].id);
+    const V3f color = film_->Guess(id);
     colors_[index] = {double(color.x), double(color.y), double(color.z), 1};
     kinds_[index] = ColorKind::kConstant;
     return;
   }
-  const std::optional<ColorNodes> nodes = film_->Shade(mesh_->triangles()[index].id);
+  const std::optional<ColorNodes> nodes = film_->Shade(id);
+  if (!nodes && film_->HasPoints(id)) return ShadeByPoints(index);
   if (!nodes) {
     kinds_[index] = ColorKind::kApart;
     return;
@@ -53,7 +56,7 @@ void TileColors::Shade(uint32_t index) {
     for (const V3f& color : nodes->middles) measure(color);
   }
   colors_[index][3] = 1;
-  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic};
+  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic, .by_points = false};
   for (int c = 0; c < 3; ++c) {
     const auto k = size_t(c);
     const double f0 = nodes->corners[0][c];
@@ -78,12 +81,21 @@ void TileColors::Shade(uint32_t index) {
   kinds_[index] = range < kColorTolerance ? ColorKind::kConstant : ColorKind::kSmooth;
 }
 
+void TileColors::ShadeByPoints(uint32_t index) {
+  kinds_[index] = ColorKind::kSmooth;
+  smooth_[index].by_points = true;
+}
+
 TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& position, double l) const {
   const Smooth& smooth = smooth_[index];
   const std::array<Color, 6>& a = smooth.coefficients;
   const double over = 1 / (position.at[2] + position.per_pixel[2] * l);
   const double b1 = ClampedFromZero((position.at[0] + position.per_pixel[0] * l) * over, 1);
   const double b2 = ClampedFromZero((position.at[1] + position.per_pixel[1] * l) * over, 1 - b1);
+  if (smooth.by_points) {
+    const V3f radiance = film_->PointColor(mesh_->triangles()[index].id, b1, b2);
+    return {double(radiance.x), double(radiance.y), double(radiance.z), 1};
+  }
   Color color;
   for (size_t c = 0; c < 3; ++c) {
     color[c] = a[0][c] + b1 * a[1][c] + b2 * a[2][c];

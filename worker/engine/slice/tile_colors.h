@@ -14,7 +14,7 @@ namespace shutterline::engine {
 enum class ColorKind : uint8_t {
   kUnknown,   ///< Not looked at yet.
   kConstant,  ///< One colour.
-  kSmooth,    ///< Linear or quadratic over it.
+  kSmooth,    ///< Linear or quadratic over it, or else known at every point.
   kApart,     ///< By shading each of its pixels: it is kept apart.
 };
 
@@ -43,19 +43,25 @@ class TileColors {
   /// Has KindOf been asked of it?
   bool WasSeen(uint32_t index) const { return kinds_[index] != ColorKind::kUnknown; }
 
+  /// Is the film asked for its colour, point by point?
+  bool IsByPoints(uint32_t index) const {
+    return kinds_[index] == ColorKind::kSmooth && smooth_[index].by_points;
+  }
+
   /// Of a constant one.
   const Color& ColorOf(uint32_t index) const { return colors_[index]; }
   /// Of a smooth one at `l` pixels along a line. Rounding does not leave the triangle.
   Color ColorAt(uint32_t index, const LinePosition& position, double l) const;
 
  private:
-  /// Coefficients of 1, b1, b2, b1², b1 b2, b2².
+  /// Coefficients of 1, b1, b2, b1², b1 b2, b2²; or the film is asked point by point.
   struct Smooth {
     std::array<Color, 6> coefficients;
-    bool quadratic;
+    bool quadratic = false, by_points = false;
   };
 
   void Shade(uint32_t index);
+  void ShadeByPoints(uint32_t index);
 
   const TileMesh* mesh_ = nullptr;
   ColorFilm* film_ = nullptr;

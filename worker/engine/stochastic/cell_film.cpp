@@ -156,7 +156,7 @@ V3f CellFilm::ShadePair(const Pair& pair) const {
   at.b1 = std::clamp(pair.b1 / pair.count, 0.0, 1.0);
   at.b2 = std::clamp(pair.b2 / pair.count, 0.0, 1.0 - at.b1);
   const double t = (pair.bin + 0.5) / double(1u << triangle.shading_bins_log2);
-  RasterPoint vertices[3];
+  std::array<RasterPoint, 3> vertices;
   for (size_t i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, corners.vertices[i], t);
   return shader_->Shade(triangle.id, at, PixelFootprint(vertices, at));
 }

@@ -9,6 +9,7 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/visibility/pair_weights.h"
+#include "worker/engine/visibility/point_colors.h"
 
 namespace shutterline::engine {
 
@@ -32,9 +33,10 @@ class ColorFilm {
   /// far two ways of sampling it are apart.
   using Guesser = std::function<V3f(uint32_t triangle)>;
 
-  /// Without a guesser nothing can be measured before it is rendered.
-  explicit ColorFilm(Shader shader, Guesser guesser = {})
-      : shader_(std::move(shader)), guesser_(std::move(guesser)) {}
+  /// Without a guesser nothing can be measured before it is rendered. `points`, which may be null and must
+  /// outlive the film, is asked about triangles of which `shader` says nothing.
+  explicit ColorFilm(Shader shader, Guesser guesser = {}, PointColors* points = nullptr)
+      : shader_(std::move(shader)), guesser_(std::move(guesser)), points_(points) {}
 
   /// From now on resolvers also tell which triangles they have added, see pairs().
   void KeepPairs() { keeps_pairs_ = true; }
@@ -48,6 +50,8 @@ class ColorFilm {
   std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }
   bool CanGuess() const { return guesser_ != nullptr; }
   V3f Guess(uint32_t triangle) const { return guesser_(triangle); }
+  bool HasPoints(uint32_t triangle) const { return points_ != nullptr && points_->Has(triangle); }
+  V3f PointColor(uint32_t triangle, double b1, double b2) { return points_->At(triangle, b1, b2); }
 
   /// Red, green, blue, coverage; `pixel` counts in rows within the tile.
   std::array<double, 4>& At(int64_t pixel) { return sums_[size_t(pixel)]; }
@@ -61,6 +65,7 @@ class ColorFilm {
  private:
   Shader shader_;
   Guesser guesser_;
+  PointColors* points_;
   std::vector<std::array<double, 4>> sums_;
   bool keeps_pairs_ = false;
   PairWeights pairs_;
