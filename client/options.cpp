@@ -147,13 +147,19 @@ void AddLightOptions(CLI::App& app, JobOptions& o) {
 
 void AddShadingOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* rate = AddValue(
-      app, "--shading-rate", "R", "1",
-      "Shadings a pixel, along a side, of what moves or has\nambient occlusion", [&](const std::string& t) {
-        return Store(ParseReal(t, kMinShadingRate, kMaxShadingRate,
+  auto* rate =
+      AddValue(app, "--shading-rate", "R", "1 for what moves",
+               "Shadings a pixel, along a side. Unless it is given, what\nstands still is shaded just where "
+               "it is seen",
+               [&](const std::string& t) {
+                 double value = 0;
+                 SL_RETURN_IF_ERROR(Store(
+                     ParseReal(t, kMinShadingRate, kMaxShadingRate,
                                absl::StrCat("a number from ", kMinShadingRate, " to ", kMaxShadingRate)),
-                     s.shading_rate);
-      });
+                     value));
+                 s.shading_rate = value;
+                 return absl::OkStatus();
+               });
   rate->group("Method");
   app.add_flag(
          "--cache-propagate", s.cache_propagate,

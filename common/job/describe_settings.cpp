@@ -24,7 +24,7 @@ std::string DescribeSettings(const RenderSettings& s) {
     }
     absl::StrAppend(&text, ",motion:", s.occlusion->motion ? "on" : "off");
   }
-  if (s.shading_rate != 1) absl::StrAppend(&text, " shading_rate=", s.shading_rate);
+  if (s.shading_rate) absl::StrAppend(&text, " shading_rate=", *s.shading_rate);
   if (s.cache_propagate) absl::StrAppend(&text, " cache_propagate=on");
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));

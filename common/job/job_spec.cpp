@@ -179,7 +179,7 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Signed(render.spp);
   writer.Number(render.seed);
   writer.Text(ToString(render.reference_layout));
-  writer.Real(render.shading_rate);
+  writer.Real(render.shading_rate.value_or(-1));
   writer.Number(render.cache_propagate ? 1 : 0);
   writer.Number(render.aovs.size());
   for (const Aov aov : render.aovs) writer.Text(ToString(aov));

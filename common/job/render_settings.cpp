@@ -161,8 +161,9 @@ absl::Status Validate(const RenderSettings& s) {
     }
   }
   if (s.occlusion) SL_RETURN_IF_ERROR(ValidateOcclusion(*s.occlusion));
-  if (!(s.shading_rate >= kMinShadingRate && s.shading_rate <= kMaxShadingRate)) {
-    return OutOfRange("shading_rate", s.shading_rate, absl::StrCat(kMinShadingRate, " to ", kMaxShadingRate));
+  if (s.shading_rate && !(*s.shading_rate >= kMinShadingRate && *s.shading_rate <= kMaxShadingRate)) {
+    return OutOfRange("shading_rate", *s.shading_rate,
+                      absl::StrCat(kMinShadingRate, " to ", kMaxShadingRate));
   }
   SL_RETURN_IF_ERROR(ValidateSet("aovs", s.aovs));
   if (!s.occlusion && std::find(s.aovs.begin(), s.aovs.end(), Aov::kAmbientOcclusion) != s.aovs.end()) {

@@ -109,10 +109,11 @@ struct RenderSettings {
   ReferenceLayout reference_layout = ReferenceLayout::kMotionBvh;
 
   // --- Shading -----------------------------------------------------------------------------------
-  /// What moves, and what has ambient occlusion, is shaded at the centres of texels of its triangles, each
-  /// once (docs/math/shading_cache.md): so many texels a pixel, along a side, kMinShadingRate to
-  /// kMaxShadingRate.
-  double shading_rate = 1;
+  /// If set, everything is shaded at the centres of texels of its triangles, each once: so many texels a
+  /// pixel, along a side, kMinShadingRate to kMaxShadingRate (docs/math/shading_cache.md). Unset: what moves,
+  /// and what has ambient occlusion, at a rate of 1; the rest, and with the reference what moves, where it is
+  /// seen.
+  std::optional<double> shading_rate;
   /// For experiments: a texel takes over the first shading that came anywhere within it, as in [gribel2011,
   /// appendix B]. Cheaper; but then pictures depend on which thread comes first.
   bool cache_propagate = false;

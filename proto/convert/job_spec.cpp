@@ -157,7 +157,7 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_ambient_green(s.ambient[1]);
   m.set_ambient_blue(s.ambient[2]);
   if (s.occlusion) *m.mutable_occlusion() = ToProto(*s.occlusion);
-  m.set_shading_rate(s.shading_rate);
+  if (s.shading_rate) m.set_shading_rate(*s.shading_rate);
   m.set_cache_propagate(s.cache_propagate);
   for (const Aov aov : s.aovs) m.add_aovs(Out(kAovs, aov));
   for (const Matte matte : s.mattes) m.add_mattes(Out(kMattes, matte));
@@ -237,7 +237,7 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   if (m.has_occlusion()) {
     SL_ASSIGN_OR_RETURN(s.occlusion, FromProto(m.occlusion(), Join(field, "occlusion")));
   }
-  s.shading_rate = m.shading_rate();
+  if (m.has_shading_rate()) s.shading_rate = m.shading_rate();
   s.cache_propagate = m.cache_propagate();
   SL_ASSIGN_OR_RETURN(s.aovs, In(kAovs, m.aovs(), field, "aovs"));
   SL_ASSIGN_OR_RETURN(s.mattes, In(kMattes, m.mattes(), field, "mattes"));

@@ -51,7 +51,7 @@ JobSpec RandomSpec(std::mt19937& random) {
                                     .motion = below(2) == 1};
     if (r.occlusion->radius) r.occlusion->falloff = OcclusionFalloff(below(3));
   }
-  r.shading_rate = 0.25 + below(9) / 3.0;
+  if (below(2)) r.shading_rate = 0.25 + below(9) / 3.0;
   r.cache_propagate = below(2) == 1;
   for (int i = 0; i <= int(Aov::kMaterialId); ++i) {
     if (below(2) && (r.occlusion || Aov(i) != Aov::kAmbientOcclusion)) r.aovs.push_back(Aov(i));

@@ -13,18 +13,19 @@
 namespace shutterline::engine {
 
 absl::StatusOr<std::unique_ptr<EmbreeTracer>> EmbreeTracer::Create(
-    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
+    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
+    std::shared_ptr<ShadingCache> cache) {
   SL_ASSIGN_OR_RETURN(EmbreeFrame embree, EmbreeFrame::Build(*frame_scene, threads));
   SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
-  return std::unique_ptr<EmbreeTracer>(
-      new EmbreeTracer(std::move(frame_scene), std::move(shader), std::move(embree), frame, settings));
+  return std::unique_ptr<EmbreeTracer>(new EmbreeTracer(
+      std::move(frame_scene), std::move(shader), std::move(embree), std::move(cache), frame, settings));
 }
 
 EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, EmbreeFrame embree,
-                           int frame, const RenderSettings& settings)
+                           std::shared_ptr<ShadingCache> cache, int frame, const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
       embree_(std::move(embree)),
-      shader_(std::move(shader)),
+      shader_(std::move(shader), settings, std::move(cache)),
       pattern_(settings.seed, frame),
       shutter_(settings.shutter_curve),
       spp_(settings.spp) {
@@ -53,7 +54,7 @@ void EmbreeTracer::RenderPixels(const TileRect& rect, std::span<float> rgba, Ren
         std::array<double, kWidth> times;
         std::copy_n(packet.ray.time, kWidth, times.begin());
         std::array<std::array<double, 4>, kWidth> seen{};
-        WalkRays<kWidth>(shader_, embree_.scene(), valid, times, packet, seen);
+        WalkRays<kWidth>(shader_, embree_.scene(), valid, times, packet, seen, stats);
         for (const std::array<double, 4>& lane : seen) {
           for (size_t c = 0; c < 4; ++c) sum[c] += lane[c];
         }

@@ -30,13 +30,14 @@ class EmbreeTracer : public TileIntegrator {
   /// to `threads` threads. RESOURCE_EXHAUSTED or INTERNAL where Embree fails.
   static absl::StatusOr<std::unique_ptr<EmbreeTracer>> Create(std::shared_ptr<const FrameScene> frame_scene,
                                                               int frame, const RenderSettings& settings,
-                                                              int threads);
+                                                              int threads,
+                                                              std::shared_ptr<ShadingCache> cache = nullptr);
 
   void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
 
  private:
-  EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, EmbreeFrame embree, int frame,
-               const RenderSettings& settings);
+  EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, EmbreeFrame embree,
+               std::shared_ptr<ShadingCache> cache, int frame, const RenderSettings& settings);
 
   template <int kWidth>
   void RenderPixels(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;

@@ -18,7 +18,10 @@ Barycentric Inside(double b1, double b2) {
 
 }  // namespace
 
-HitShader::HitShader(Shader shader) : shader_(std::move(shader)), traits_(shader_.Traits()) {
+HitShader::HitShader(Shader shader, const RenderSettings& settings, std::shared_ptr<ShadingCache> cache)
+    : shader_(std::move(shader)),
+      texels_(shader_, settings, std::move(cache), TexelShader::Sharing::kDear),
+      traits_(shader_.Traits()) {
   const FrameScene& scene = shader_.frame();
   for (const FramePrimitive& primitive : scene.primitives) {
     is_constant_.push_back(shader_.IsConstant(primitive));
@@ -31,10 +34,9 @@ HitShader::HitShader(Shader shader) : shader_(std::move(shader)), traits_(shader
   }
 }
 
-V3f HitShader::Radiance(uint32_t triangle, double b1, double b2, double t) const {
+V3f HitShader::Radiance(uint32_t triangle, double b1, double b2, double t, RenderStats& stats) const {
   if (is_constant_[frame().triangles[triangle].primitive]) return constant_shades_[triangle];
-  const Barycentric at = Inside(b1, b2);
-  return shader_.Shade(triangle, at, PixelFootprintAt(frame(), triangle, at, t));
+  return texels_.Shade(triangle, Inside(b1, b2), t, stats).radiance;
 }
 
 double HitShader::Alpha(uint32_t triangle, double b1, double b2, double t) const {

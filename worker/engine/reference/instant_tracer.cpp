@@ -41,9 +41,11 @@ bool InstantTracer::Fits(const FrameScene& frame, int spp) {
 }
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
-    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
+    std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
+    std::shared_ptr<ShadingCache> cache) {
   SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
-  std::unique_ptr<InstantTracer> tracer(new InstantTracer(frame_scene, std::move(shader), frame, settings));
+  std::unique_ptr<InstantTracer> tracer(
+      new InstantTracer(frame_scene, std::move(shader), std::move(cache), frame, settings));
   const size_t trees = AnythingMoves(*frame_scene) ? tracer->instants_.size() : 1;
   // A tree serves one ray a pixel: where triangles are many, building it well would take longer than it
   // saves.
@@ -64,10 +66,10 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
   return std::unique_ptr<TileIntegrator>(std::move(tracer));
 }
 
-InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, int frame,
-                             const RenderSettings& settings)
+InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader,
+                             std::shared_ptr<ShadingCache> cache, int frame, const RenderSettings& settings)
     : frame_scene_(std::move(frame_scene)),
-      shader_(std::move(shader)),
+      shader_(std::move(shader), settings, std::move(cache)),
       pattern_(settings.seed, frame),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
@@ -113,7 +115,7 @@ void InstantTracer::RenderTile(const TileRect& rect, std::span<float> rgba, Rend
       std::array<double, kWidth> times;
       times.fill(instants_[size_t(s)]);
       std::array<std::array<double, 4>, kWidth> seen{};
-      WalkRays<kWidth>(shader_, scene.scene(), valid, times, packet, seen);
+      WalkRays<kWidth>(shader_, scene.scene(), valid, times, packet, seen, stats);
       for (size_t lane = 0; lane < kWidth; ++lane) {
         std::array<double, 4>& sum = sums[size_t(block) * kWidth + lane];
         for (size_t c = 0; c < 4; ++c) sum[c] += seen[lane][c];

@@ -28,15 +28,15 @@ class InstantTracer final : public TileIntegrator {
   static constexpr double kMostBytes = 2.0 * (1u << 30);
 
   /// Builds the trees with up to `threads` threads. Errors as EmbreeTracer::Create.
-  static absl::StatusOr<std::unique_ptr<TileIntegrator>> Create(std::shared_ptr<const FrameScene> frame_scene,
-                                                                int frame, const RenderSettings& settings,
-                                                                int threads);
+  static absl::StatusOr<std::unique_ptr<TileIntegrator>> Create(
+      std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
+      std::shared_ptr<ShadingCache> cache = nullptr);
 
   void Render(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const override;
 
  private:
-  InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader, int frame,
-                const RenderSettings& settings);
+  InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shader shader,
+                std::shared_ptr<ShadingCache> cache, int frame, const RenderSettings& settings);
 
   template <int kWidth>
   void RenderTile(const TileRect& rect, std::span<float> rgba, RenderStats& stats) const;

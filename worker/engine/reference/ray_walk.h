@@ -17,7 +17,7 @@ namespace shutterline::engine {
 template <int kWidth>
 void WalkRays(const HitShader& shader, RTCScene scene, const int* wanted,
               const std::array<double, kWidth>& times, typename EmbreePacket<kWidth>::RayHit& packet,
-              std::array<std::array<double, 4>, kWidth>& sums) {
+              std::array<std::array<double, 4>, kWidth>& sums, RenderStats& stats) {
   constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
   /// What less light than this passes is opaque.
   constexpr double kLeastLight = 1e-6;
@@ -44,7 +44,7 @@ void WalkRays(const HitShader& shader, RTCScene scene, const int* wanted,
       if (triangle != last[lane]) {
         const double alpha = shader.Alpha(triangle, b1, b2, times[lane]);
         if (alpha > 0) {
-          const V3f radiance = shader.Radiance(triangle, b1, b2, times[lane]);
+          const V3f radiance = shader.Radiance(triangle, b1, b2, times[lane], stats);
           const double share = light[lane] * alpha;
           for (size_t c = 0; c < 3; ++c) sums[lane][c] += share * double(radiance[int(c)]);
           sums[lane][3] += share;

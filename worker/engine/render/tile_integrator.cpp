@@ -25,9 +25,9 @@ absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
     case IntegratorKind::kReference:
       if (settings.reference_layout == ReferenceLayout::kSharedInstants &&
           InstantTracer::Fits(*frame_scene, settings.spp)) {
-        return InstantTracer::Create(std::move(frame_scene), frame, settings, threads);
+        return InstantTracer::Create(std::move(frame_scene), frame, settings, threads, std::move(cache));
       }
-      return EmbreeTracer::Create(std::move(frame_scene), frame, settings, threads);
+      return EmbreeTracer::Create(std::move(frame_scene), frame, settings, threads, std::move(cache));
     case IntegratorKind::kStochastic:
       return StochasticIntegrator::Create(std::move(frame_scene), frame, settings, threads);
   }

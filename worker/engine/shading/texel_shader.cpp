@@ -13,14 +13,15 @@ constexpr double kMidShutter = 0.5;
 }  // namespace
 
 TexelShader::TexelShader(const Shader& shader, const RenderSettings& settings,
-                         std::shared_ptr<ShadingCache> cache)
+                         std::shared_ptr<ShadingCache> cache, Sharing sharing)
     : shader_(shader),
-      rate_(settings.shading_rate),
+      rate_(settings.shading_rate.value_or(1)),
       propagates_(settings.cache_propagate),
       cache_(std::move(cache)) {
   for (const FramePrimitive& primitive : shader.frame().primitives) {
     const bool is_dear = settings.occlusion && !primitive.material->unlit;
-    has_texels_.push_back(primitive.degree > 0 || is_dear);
+    const bool is_shared = sharing == Sharing::kMovingAndDear && primitive.degree > 0;
+    has_texels_.push_back(settings.shading_rate || is_shared || is_dear);
     textured_.push_back(IsTextured(shader.frame(), primitive));
   }
 }
