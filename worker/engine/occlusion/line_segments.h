@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/job/occlusion_settings.h"
+#include "worker/engine/occlusion/falloff.h"
+#include "worker/engine/occlusion/line_cover.h"
+#include "worker/engine/occlusion/line_query.h"
+
+namespace shutterline::engine {
+
+/// What occludes a line sample, section by section in any order. Scratch memory of a thread.
+class LineSegments {
+ public:
+  /// Begins a line. The query must outlive it.
+  void Begin(const LineQuery& query, OcclusionFalloff falloff);
+
+  void Add(const LineSection& section);
+
+  /// Without fall-off, what is covered so far; what comes from there adds nothing. Else empty.
+  const LineCover& cover() const { return cover_; }
+
+  /// The share of the line that is occluded, of kWholeLine: Eq. 1 with 1 - ρ in place of ρ.
+  int64_t Occlusion(OcclusionPattern pattern);
+
+ private:
+  const LineQuery* query_ = nullptr;
+  OcclusionFalloff falloff_ = OcclusionFalloff::kNone;
+  double least_ = 0;  ///< Squared distance below which an end has no direction.
+  LineCover cover_;
+  std::vector<DistanceSegment> segments_;
+};
+
+}  // namespace shutterline::engine

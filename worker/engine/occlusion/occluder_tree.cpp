@@ -1,0 +1,322 @@
+#include "worker/engine/occlusion/occluder_tree.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/math/bezier.h"
+#include "worker/engine/accel/view_scale.h"
+
+namespace shutterline::engine {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Spans of the shutter where something moves on a curve: boxes move straight over each.
+constexpr int kCurveSpans = 8;
+/// Half extents are widened by this share of centre and extent: sixteen roundings of single precision, more
+/// than a box's own numbers and a test against a plane have.
+constexpr double kWiden = 0x1p-20;
+
+struct Box {
+  V3d lower{kInfinity}, upper{-kInfinity};
+
+  void Extend(const V3d& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis] = std::min(lower[axis], p[axis]);
+      upper[axis] = std::max(upper[axis], p[axis]);
+    }
+  }
+  void Extend(const Box& other) {
+    Extend(other.lower);
+    Extend(other.upper);
+  }
+};
+
+/// A box that moves straight from the one place to the other.
+struct MovingBox {
+  Box open, close;
+
+  void Extend(const MovingBox& other) {
+    open.Extend(other.open);
+    close.Extend(other.close);
+  }
+};
+
+class Builder {
+ public:
+  Builder(const FrameScene& frame, bool motion, OccluderTree& tree)
+      : frame_(frame), motion_(motion), tree_(tree) {}
+
+  void Build() {
+    tree_.scale = ViewScale(frame_);
+    Collect();
+    if (triangles_.empty()) return;
+    MakeBinaryTree();
+    boxes_.resize(size_t(tree_.spans) * triangles_.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, triangles_.size(), 1024),
+                      [&](const tbb::blocked_range<size_t>& part) {
+                        for (size_t i = part.begin(); i < part.end(); ++i) {
+                          for (int span = 0; span < tree_.spans; ++span) BoxOf(i, span) = Bound(i, span);
+                        }
+                      });
+    // A lone leaf needs a node above it, too.
+    MakeNode(0);
+    WriteNodes();
+  }
+
+ private:
+  struct WideNode {
+    std::array<uint32_t, kTreeWidth> below{};  ///< Numbers of the binary tree's nodes.
+    int count = 0;
+  };
+
+  MovingBox& BoxOf(size_t i, int span) { return boxes_[size_t(span) * triangles_.size() + i]; }
+
+  MotionClass ClassOf(const FramePrimitive& primitive) const {
+    return motion_ && primitive.degree > 0 ? MotionClass{primitive.degree, primitive.pieces} : MotionClass{};
+  }
+
+  V3d InView(const RasterPoint& p) const { return frame_.view.ViewFromRaster(p) / tree_.scale; }
+
+  /// Lists what may occlude, and the ways in which it moves.
+  void Collect() {
+    class_of_.resize(frame_.primitives.size());
+    for (size_t p = 0; p < frame_.primitives.size(); ++p) {
+      const FramePrimitive& primitive = frame_.primitives[p];
+      if (primitive.material->alpha_mode != AlphaMode::kOpaque) continue;
+      const MotionClass motion = ClassOf(primitive);
+      const auto found = std::find(tree_.classes.begin(), tree_.classes.end(), motion);
+      class_of_[p] = uint8_t(found - tree_.classes.begin());
+      if (found == tree_.classes.end()) tree_.classes.push_back(motion);
+      tree_.moves = tree_.moves || motion.degree > 0;
+      if (motion.degree > 1 || motion.pieces > 1) tree_.spans = kCurveSpans;
+      for (uint32_t i = 0; i < primitive.triangle_count; ++i) {
+        triangles_.push_back(primitive.first_triangle + i);
+      }
+    }
+  }
+
+  void MakeBinaryTree() {
+    std::vector<Box> boxes(triangles_.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, triangles_.size(), 1024),
+                      [&](const tbb::blocked_range<size_t>& part) {
+                        for (size_t i = part.begin(); i < part.end(); ++i) {
+                          const FrameTriangle& triangle = frame_.triangles[triangles_[i]];
+                          const FramePrimitive& primitive = frame_.primitives[triangle.primitive];
+                          for (const uint32_t vertex : triangle.vertices) {
+                            boxes[i].Extend(InView(frame_.VertexAt(primitive, vertex, 0.5)));
+                          }
+                        }
+                      });
+    Box all;
+    for (const Box& box : boxes) all.Extend(box);
+    tree_.centre = 0.5 * all.lower + 0.5 * all.upper;
+    // How triangles are grouped needs no more than these.
+    std::vector<ViewBounds> bounds(boxes.size());
+    for (size_t i = 0; i < boxes.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        bounds[i].lower[size_t(axis)] = float(boxes[i].lower[axis] - tree_.centre[axis]);
+        bounds[i].upper[size_t(axis)] = float(boxes[i].upper[axis] - tree_.centre[axis]);
+      }
+    }
+    binary_ = BuildBoundsTree(bounds);
+  }
+
+  /// Where a triangle is over a span of the shutter, relative to the tree's centre: a box that moves straight
+  /// between the places that it has at the ends, widened by what the control points deviate from that.
+  MovingBox Bound(size_t i, int span) const {
+    const FrameTriangle& triangle = frame_.triangles[triangles_[i]];
+    const FramePrimitive& primitive = frame_.primitives[triangle.primitive];
+    MovingBox box;
+    std::vector<V3d> hull;
+    for (const uint32_t vertex : triangle.vertices) {
+      hull.clear();
+      AppendHull(primitive, vertex, span, hull);
+      const V3d open = hull.front(), close = hull.back();
+      V3d below(0), above(0);
+      for (size_t j = 1; j + 1 < hull.size(); ++j) {
+        const V3d off = hull[j] - (open + (double(j) / double(hull.size() - 1)) * (close - open));
+        for (int axis = 0; axis < 3; ++axis) {
+          below[axis] = std::min(below[axis], off[axis]);
+          above[axis] = std::max(above[axis], off[axis]);
+        }
+      }
+      box.open.Extend(open + below);
+      box.open.Extend(open + above);
+      box.close.Extend(close + below);
+      box.close.Extend(close + above);
+    }
+    return box;
+  }
+
+  /// The control points of a vertex over a span, at equal steps of it.
+  void AppendHull(const FramePrimitive& primitive, uint32_t vertex, int span, std::vector<V3d>& hull) const {
+    const auto append = [&](const RasterPoint& p) { hull.push_back(InView(p) - tree_.centre); };
+    if (!motion_ || primitive.degree == 0) {
+      append(frame_.VertexAt(primitive, vertex, 0.5));
+      return;
+    }
+    const RasterPoint* c = frame_.ControlPoints(primitive, vertex);
+    if (primitive.pieces >= tree_.spans) {
+      const int count = primitive.pieces / tree_.spans * primitive.degree;
+      for (int k = span * count; k <= (span + 1) * count; ++k) append(c[k]);
+      return;
+    }
+    const int per_piece = tree_.spans / primitive.pieces;
+    const int part = span % per_piece;
+    RasterPoint cut[kMaxBezierDegree + 1];
+    BezierPart(c + span / per_piece * primitive.degree, primitive.degree, double(part) / per_piece,
+               double(part + 1) / per_piece, cut);
+    for (int k = 0; k <= primitive.degree; ++k) append(cut[k]);
+  }
+
+  bool IsLeaf(uint32_t n) const { return binary_.nodes[n].skip == n + 1; }
+  uint32_t RefsOf(uint32_t n) const {
+    return binary_.nodes[binary_.nodes[n].skip].first_ref - binary_.nodes[n].first_ref;
+  }
+
+  /// Makes a wide node of what is below node `n` of the binary tree; returns its number.
+  int32_t MakeNode(uint32_t n) {
+    // Open the child that holds most, until there are eight.
+    WideNode node;
+    node.below[0] = n;
+    node.count = 1;
+    while (node.count < kTreeWidth) {
+      int most = -1;
+      for (int k = 0; k < node.count; ++k) {
+        if (IsLeaf(node.below[size_t(k)])) continue;
+        if (most < 0 || RefsOf(node.below[size_t(k)]) > RefsOf(node.below[size_t(most)])) most = k;
+      }
+      if (most < 0) break;
+      const uint32_t left = node.below[size_t(most)] + 1;
+      node.below[size_t(most)] = left;
+      node.below[size_t(node.count++)] = binary_.nodes[left].skip;
+    }
+    const size_t number = wide_.size();
+    wide_.push_back(node);
+    tree_.children.emplace_back();
+    tree_.children[number].fill(OccluderTree::kNoChild);
+    for (int k = 0; k < node.count; ++k) {
+      const uint32_t child = node.below[size_t(k)];
+      const int32_t made = IsLeaf(child) ? ~MakeLeaf(child) : MakeNode(child);
+      tree_.children[number][size_t(k)] = made;
+    }
+    return int32_t(number);
+  }
+
+  /// One block for each class of motion in the leaf.
+  int32_t MakeLeaf(uint32_t n) {
+    const uint32_t begin = binary_.nodes[n].first_ref, end = begin + RefsOf(n);
+    LeafBlocks leaf{uint32_t(tree_.blocks.size()), 0};
+    for (size_t c = 0; c < tree_.classes.size(); ++c) {
+      OccluderBlock block;
+      block.first = tree_.points.size();
+      block.motion_class = uint8_t(c);
+      for (uint32_t r = begin; r < end; ++r) {
+        const uint32_t triangle = triangles_[binary_.order[r]];
+        if (class_of_[frame_.triangles[triangle].primitive] == c) block.triangles[block.count++] = triangle;
+      }
+      if (block.count == 0) continue;
+      WriteBlock(block);
+      tree_.blocks.push_back(block);
+    }
+    leaf.end = uint32_t(tree_.blocks.size());
+    tree_.leaves.push_back(leaf);
+    return int32_t(tree_.leaves.size()) - 1;
+  }
+
+  void WriteBlock(const OccluderBlock& block) {
+    const int planes = tree_.classes[block.motion_class].Points();
+    tree_.points.resize(block.first + size_t(planes) * kBlockPlane);
+    double* const out = tree_.points.data() + block.first;
+    for (size_t lane = 0; lane < block.count; ++lane) {
+      const FrameTriangle& triangle = frame_.triangles[block.triangles[lane]];
+      const FramePrimitive& primitive = frame_.primitives[triangle.primitive];
+      for (int plane = 0; plane < planes; ++plane) {
+        for (size_t corner = 0; corner < 3; ++corner) {
+          const uint32_t vertex = triangle.vertices[corner];
+          const V3d p = InView(planes > 1 ? frame_.ControlPoint(primitive, vertex, plane)
+                                          : frame_.VertexAt(primitive, vertex, 0.5));
+          for (int axis = 0; axis < 3; ++axis) {
+            out[size_t(plane) * kBlockPlane + (corner * 3 + size_t(axis)) * kTreeWidth + lane] = p[axis];
+          }
+        }
+      }
+    }
+  }
+
+  void WriteNodes() {
+    tree_.node_count = int(wide_.size());
+    const size_t size = size_t(tree_.moves ? 2 : 1) * kNodePlane;
+    tree_.nodes.assign(size_t(tree_.spans) * wide_.size() * size, 0);
+    for (int span = 0; span < tree_.spans; ++span) {
+      // Children come after their parents, in the binary tree.
+      std::vector<MovingBox> of(binary_.nodes.size());
+      for (size_t n = binary_.nodes.size() - 1; n-- > 0;) {
+        const uint32_t skip = binary_.nodes[n].skip;
+        if (IsLeaf(uint32_t(n))) {
+          for (uint32_t r = binary_.nodes[n].first_ref; r < binary_.nodes[skip].first_ref; ++r) {
+            of[n].Extend(BoxOf(binary_.order[r], span));
+          }
+        } else {
+          of[n].Extend(of[n + 1]);
+          of[n].Extend(of[binary_.nodes[n + 1].skip]);
+        }
+      }
+      for (size_t n = 0; n < wide_.size(); ++n) {
+        float* const out = tree_.nodes.data() + (size_t(span) * wide_.size() + n) * size;
+        for (size_t k = 0; k < kTreeWidth; ++k) {
+          if (int(k) < wide_[n].count) {
+            WriteChild(of[wide_[n].below[k]], k, out);
+          } else {
+            for (size_t axis = 3; axis < 6; ++axis) {
+              out[axis * kTreeWidth + k] = -std::numeric_limits<float>::infinity();
+            }
+          }
+        }
+      }
+    }
+  }
+
+  void WriteChild(const MovingBox& box, size_t k, float* out) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto write = [&](const Box& b, float& centre, float& extent) {
+        const double c = 0.5 * b.lower[axis] + 0.5 * b.upper[axis];
+        const double e = 0.5 * b.upper[axis] - 0.5 * b.lower[axis];
+        centre = float(c);
+        extent = float(e + kWiden * (e + std::abs(c)) + double(std::numeric_limits<float>::min()));
+      };
+      float c0, e0, c1, e1;
+      write(box.open, c0, e0);
+      write(box.close, c1, e1);
+      const size_t at = size_t(axis) * kTreeWidth + k;
+      out[at] = c0;
+      out[at + 3 * kTreeWidth] = e0;
+      if (!tree_.moves) continue;
+      out[at + kNodePlane] = c1 - c0;
+      out[at + kNodePlane + 3 * kTreeWidth] = e1 - e0;
+    }
+  }
+
+  const FrameScene& frame_;
+  const bool motion_;
+  OccluderTree& tree_;
+  std::vector<uint8_t> class_of_;    ///< By primitive.
+  std::vector<uint32_t> triangles_;  ///< That may occlude.
+  std::vector<MovingBox> boxes_;     ///< Span by span.
+  BoundsTree binary_;
+  std::vector<WideNode> wide_;
+};
+
+}  // namespace
+
+OccluderTree OccluderTree::Build(const FrameScene& frame, bool motion) {
+  OccluderTree tree;
+  Builder(frame, motion, tree).Build();
+  return tree;
+}
+
+}  // namespace shutterline::engine

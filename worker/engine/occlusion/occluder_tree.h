@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/spaces.h"
+#include "worker/engine/accel/bounds_tree.h"
+#include "worker/engine/scene/frame_scene.h"
+
+namespace shutterline::engine {
+
+/// Children of a node, and triangles of a block: what vectors look at together.
+inline constexpr int kTreeWidth = 8;
+
+/// How vertices move: as FramePrimitive has it. {0, 1} where nothing does.
+struct MotionClass {
+  int degree = 0, pieces = 1;
+
+  int Points() const { return pieces * degree + 1; }
+  friend bool operator==(const MotionClass&, const MotionClass&) = default;
+};
+
+/// Triangles of one class of motion that lie together. Their control points are Points() planes of 9 × 8
+/// numbers, from `first` of OccluderTree::points on: corner by corner, axis by axis, one triangle a lane.
+struct OccluderBlock {
+  uint64_t first = 0;
+  std::array<uint32_t, kTreeWidth> triangles{};
+  uint8_t count = 0;
+  uint8_t motion_class = 0;
+};
+inline constexpr int kBlockPlane = 9 * kTreeWidth;
+
+struct LeafBlocks {
+  uint32_t begin = 0, end = 0;  ///< Of OccluderTree::blocks.
+};
+
+/// Numbers of one node over one span of the shutter: for each axis the centres of its children's boxes, then
+/// half their extents; where anything moves, then what each of these gains over the span. In single precision
+/// relative to OccluderTree::centre, and widened by their roundings: a box holds its triangles at any
+/// instant.
+inline constexpr int kNodePlane = 6 * kTreeWidth;
+
+/// A frame's triangles that may occlude, those of opaque materials, in a tree eight children wide that is
+/// asked for one instant at a time. Boxes move with what they hold, straight over each of a few spans of the
+/// shutter, so camera motion does not blow them up. All lengths are in view space divided by `scale`.
+/// Immutable.
+struct OccluderTree {
+  double scale = 1;
+  V3d centre{0, 0, 0};
+  bool moves = false;                                     ///< Else nodes have no gains and there is one span.
+  int spans = 1;                                          ///< A power of two.
+  int node_count = 0;                                     ///< 0: there is nothing. Node 0 is the root.
+  std::vector<float> nodes;                               ///< Span by span, node by node.
+  std::vector<std::array<int32_t, kTreeWidth>> children;  ///< Of nodes; leaf k is ~k, kNoChild none.
+  std::vector<LeafBlocks> leaves;
+  std::vector<OccluderBlock> blocks;
+  std::vector<MotionClass> classes;
+  std::vector<double> points;
+
+  static constexpr int32_t kNoChild = INT32_MIN;
+
+  /// With motion, or all as it is at mid-shutter. In the calling thread's arena; the tree does not depend on
+  /// how.
+  static OccluderTree Build(const FrameScene& frame, bool motion);
+
+  const float* Node(int span, int32_t node) const {
+    return nodes.data() +
+           (size_t(span) * size_t(node_count) + size_t(node)) * size_t(moves ? 2 : 1) * kNodePlane;
+  }
+};
+
+}  // namespace shutterline::engine
