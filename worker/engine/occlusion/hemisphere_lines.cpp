@@ -9,6 +9,9 @@
 namespace shutterline::engine {
 namespace {
 
+/// A plane that leans fully is the horizon's own and cuts the hemisphere nowhere.
+constexpr double kMostLean = 1 - 0x1p-20;
+
 double Fraction(double v) {
   return v - std::floor(v);
 }
@@ -54,7 +57,7 @@ HemisphereLine LineAt(const OcclusionSettings& settings, int i, const LineShifts
     line.heading = HeadingOf(place / 2);
   } else {
     line.heading = HeadingOf(shifts.heading / 2);
-    line.lean = 2 * place - 1;
+    line.lean = std::clamp(2 * place - 1, -kMostLean, kMostLean);
   }
   if (settings.motion) line.instant = (double(i * TimeStep(n) % n) + shifts.instant) / n;
   return line;
