@@ -97,7 +97,7 @@ double AmbientOcclusion::Evaluate(const Receiver& receiver, uint32_t triangle,
   thread_local std::vector<MotionWeights> motions;
   motions.resize(tree_.classes.size());
   LineQuery query;
-  query.own_triangle = triangle;
+  query.own = tree_.places[triangle];
   query.radius = settings_.radius ? *settings_.radius / tree_.scale : std::numeric_limits<double>::infinity();
 
   int64_t occlusion = 0;

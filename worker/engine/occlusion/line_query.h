@@ -5,6 +5,7 @@
 #include <span>
 
 #include "common/math/spaces.h"
+#include "worker/engine/occlusion/occluder_tree.h"
 
 namespace shutterline::engine {
 
@@ -21,7 +22,7 @@ struct LineQuery {
   V3d face{0, 0, 1};
   double face_along = 0, face_up = 1;  ///< `face` in the line's plane.
   double radius = 0;                   ///< Infinity: none.
-  uint32_t own_triangle = 0;
+  OccluderPlace own;                   ///< What the point lies on does not occlude it.
 
   /// What rounding makes of heights over the face. Something at a distance of r that lies in the triangle's
   /// plane may seem to be kHeightRoundings (size (1 + r inverse_height) + r) over it: positions of corners

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
+#include "common/base/check.h"
 #include "common/math/bezier.h"
 #include "worker/engine/accel/view_scale.h"
 
@@ -62,8 +64,9 @@ class Builder {
                           for (int span = 0; span < tree_.spans; ++span) BoxOf(i, span) = Bound(i, span);
                         }
                       });
-    // A lone leaf needs a node above it, too.
-    MakeNode(0);
+    tree_.places.resize(frame_.triangles.size());
+    MakeNode(0);  // A lone leaf has a node above it, too.
+    tree_.blocks.resize(tree_.blocks.size() + kTreeWidth);
     WriteNodes();
   }
 
@@ -207,44 +210,69 @@ class Builder {
     return int32_t(number);
   }
 
-  /// One block for each class of motion in the leaf.
+  /// One block for each class of motion in the leaf. Returns where the first begins, over four.
   int32_t MakeLeaf(uint32_t n) {
     const uint32_t begin = binary_.nodes[n].first_ref, end = begin + RefsOf(n);
-    LeafBlocks leaf{uint32_t(tree_.blocks.size()), 0};
+    const size_t first = tree_.blocks.size();
+    size_t last = first;
+    std::vector<uint32_t> members;
     for (size_t c = 0; c < tree_.classes.size(); ++c) {
-      OccluderBlock block;
-      block.first = tree_.points.size();
-      block.motion_class = uint8_t(c);
+      members.clear();
       for (uint32_t r = begin; r < end; ++r) {
         const uint32_t triangle = triangles_[binary_.order[r]];
-        if (class_of_[frame_.triangles[triangle].primitive] == c) block.triangles[block.count++] = triangle;
+        if (class_of_[frame_.triangles[triangle].primitive] == c) members.push_back(triangle);
       }
-      if (block.count == 0) continue;
-      WriteBlock(block);
-      tree_.blocks.push_back(block);
+      if (members.empty()) continue;
+      last = tree_.blocks.size();
+      WriteBlock(members, uint8_t(c));
     }
-    leaf.end = uint32_t(tree_.blocks.size());
-    tree_.leaves.push_back(leaf);
-    return int32_t(tree_.leaves.size()) - 1;
+    BlockHeader header;
+    std::memcpy(static_cast<void*>(&header), tree_.blocks.data() + last, sizeof header);
+    header.is_last = 1;
+    std::memcpy(tree_.blocks.data() + last, &header, sizeof header);
+    return int32_t(first / 4);
   }
 
-  void WriteBlock(const OccluderBlock& block) {
-    const int planes = tree_.classes[block.motion_class].Points();
-    tree_.points.resize(block.first + size_t(planes) * kBlockPlane);
-    double* const out = tree_.points.data() + block.first;
-    for (size_t lane = 0; lane < block.count; ++lane) {
-      const FrameTriangle& triangle = frame_.triangles[block.triangles[lane]];
-      const FramePrimitive& primitive = frame_.primitives[triangle.primitive];
-      for (int plane = 0; plane < planes; ++plane) {
-        for (size_t corner = 0; corner < 3; ++corner) {
-          const uint32_t vertex = triangle.vertices[corner];
-          const V3d p = InView(planes > 1 ? frame_.ControlPoint(primitive, vertex, plane)
-                                          : frame_.VertexAt(primitive, vertex, 0.5));
-          for (int axis = 0; axis < 3; ++axis) {
-            out[size_t(plane) * kBlockPlane + (corner * 3 + size_t(axis)) * kTreeWidth + lane] = p[axis];
-          }
-        }
+  void WriteBlock(const std::vector<uint32_t>& members, uint8_t motion_class) {
+    SL_CHECK(members.size() <= BlockHeader::kMostTriangles);
+    BlockHeader header;
+    header.motion_class = motion_class;
+    header.is_last = 0;
+    // Number the vertices, each once.
+    struct Vertex {
+      const FramePrimitive* primitive;
+      uint32_t number;
+    };
+    std::vector<Vertex> vertices;
+    const size_t first = tree_.blocks.size();
+    for (const uint32_t number : members) {
+      const FrameTriangle& triangle = frame_.triangles[number];
+      tree_.places[number] = {uint32_t(first / 4), header.count};
+      for (size_t corner = 0; corner < 3; ++corner) {
+        const uint32_t vertex = triangle.vertices[corner];
+        size_t v = 0;
+        while (v < vertices.size() && vertices[v].number != vertex) ++v;
+        if (v == vertices.size()) vertices.push_back({&frame_.primitives[triangle.primitive], vertex});
+        header.corners[header.count][corner] = uint8_t(v);
       }
+      ++header.count;
+    }
+    header.vertices = uint8_t(vertices.size());
+    header.stride = uint8_t((vertices.size() + 3) / 4 * 4);
+
+    const size_t stride = header.stride;
+    const int planes = tree_.classes[motion_class].Points();
+    tree_.blocks.resize(first + kHeaderSize + size_t(planes) * 3 * stride);
+    std::memcpy(tree_.blocks.data() + first, &header, sizeof header);
+    double* out = tree_.blocks.data() + first + kHeaderSize;
+    for (int plane = 0; plane < planes; ++plane) {
+      for (size_t v = 0; v < vertices.size(); ++v) {
+        const auto& [primitive, number] = vertices[v];
+        const V3d p = InView(planes > 1 ? frame_.ControlPoint(*primitive, number, plane)
+                                        : frame_.VertexAt(*primitive, number, 0.5));
+        for (int axis = 0; axis < 3; ++axis) out[size_t(axis) * stride + v] = p[axis];
+      }
+      out += 3 * stride;
     }
   }
 

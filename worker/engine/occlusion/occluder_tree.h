@@ -10,7 +10,7 @@
 
 namespace shutterline::engine {
 
-/// Children of a node, and triangles of a block: what vectors look at together.
+/// Children of a node: what vectors look at together.
 inline constexpr int kTreeWidth = 8;
 
 /// How vertices move: as FramePrimitive has it. {0, 1} where nothing does.
@@ -21,18 +21,28 @@ struct MotionClass {
   friend bool operator==(const MotionClass&, const MotionClass&) = default;
 };
 
-/// Triangles of one class of motion that lie together. Their control points are Points() planes of 9 × 8
-/// numbers, from `first` of OccluderTree::points on: corner by corner, axis by axis, one triangle a lane.
-struct OccluderBlock {
-  uint64_t first = 0;
-  std::array<uint32_t, kTreeWidth> triangles{};
-  uint8_t count = 0;
-  uint8_t motion_class = 0;
-};
-inline constexpr int kBlockPlane = 9 * kTreeWidth;
+/// Triangles that lie together and move by one class. A block is a row of numbers in OccluderTree::blocks:
+/// this header, then the control points of its vertices in planes, x, y and z of each, `stride` numbers a
+/// piece.
+struct BlockHeader {
+  static constexpr int kMostTriangles = 8, kMostVertices = 3 * kMostTriangles;
 
-struct LeafBlocks {
-  uint32_t begin = 0, end = 0;  ///< Of OccluderTree::blocks.
+  std::array<std::array<uint8_t, 3>, kMostTriangles> corners{};  ///< Numbers of vertices.
+  uint8_t count = 0;                                             ///< Of triangles.
+  uint8_t vertices = 0;
+  uint8_t stride = 0;  ///< `vertices` made a multiple of four.
+  uint8_t motion_class = 0;
+  uint8_t is_last = 1;  ///< Of its leaf; else another follows it.
+  std::array<uint8_t, 3> unused{};
+};
+/// In numbers.
+inline constexpr int kHeaderSize = sizeof(BlockHeader) / sizeof(double);
+static_assert(sizeof(BlockHeader) == 32);
+
+/// A triangle's place in the tree.
+struct OccluderPlace {
+  uint32_t block = 0xffffffff;  ///< OccluderTree::blocks from 4 × this on.
+  uint8_t number = 0;           ///< In its block.
 };
 
 /// Numbers of one node over one span of the shutter: for each axis the centres of its children's boxes, then
@@ -48,15 +58,15 @@ inline constexpr int kNodePlane = 6 * kTreeWidth;
 struct OccluderTree {
   double scale = 1;
   V3d centre{0, 0, 0};
-  bool moves = false;                                     ///< Else nodes have no gains and there is one span.
-  int spans = 1;                                          ///< A power of two.
-  int node_count = 0;                                     ///< 0: there is nothing. Node 0 is the root.
-  std::vector<float> nodes;                               ///< Span by span, node by node.
-  std::vector<std::array<int32_t, kTreeWidth>> children;  ///< Of nodes; leaf k is ~k, kNoChild none.
-  std::vector<LeafBlocks> leaves;
-  std::vector<OccluderBlock> blocks;
+  bool moves = false;        ///< Else nodes have no gains and there is one span.
+  int spans = 1;             ///< A power of two.
+  int node_count = 0;        ///< 0: there is nothing. Node 0 is the root.
+  std::vector<float> nodes;  ///< Span by span, node by node.
+  /// Of nodes; a leaf, whose first block is at 4 × b, is ~b; kNoChild: none.
+  std::vector<std::array<int32_t, kTreeWidth>> children;
+  std::vector<double> blocks;         ///< Begin at multiples of four; padded at the end for whole vectors.
+  std::vector<OccluderPlace> places;  ///< By triangle of the frame.
   std::vector<MotionClass> classes;
-  std::vector<double> points;
 
   static constexpr int32_t kNoChild = INT32_MIN;
 

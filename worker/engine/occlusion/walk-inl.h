@@ -6,9 +6,11 @@
 #define SHUTTERLINE_OCCLUSION_WALK_INL_H
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "worker/engine/occlusion/kernels.h"
 
@@ -42,8 +44,7 @@ class Walker {
       // What was put off may have been hidden since.
       if (segments_.cover().Holds(top.begin, top.end)) continue;
       if (top.node < 0) {
-        const LeafBlocks& leaf = tree_.leaves[size_t(~top.node)];
-        for (uint32_t b = leaf.begin; b < leaf.end; ++b) CutBlock(tree_.blocks[b]);
+        CutLeaf(uint32_t(~top.node));
       } else {
         depth = OpenNode(top.node, depth);
       }
@@ -54,6 +55,8 @@ class Walker {
   using Floats = hn::CappedTag<float, kTreeWidth>;
   using FloatsV = hn::Vec<Floats>;
   using Doubles = hn::CappedTag<double, kTreeWidth>;
+  /// A last vector may begin at any multiple of four.
+  static constexpr int kMostLanes = BlockHeader::kMostVertices + kTreeWidth;
   using DoublesV = hn::Vec<Doubles>;
 
   struct Entry {
@@ -131,11 +134,27 @@ class Walker {
       const Entry entry{tree_.children[size_t(node)][k], Widened(least[k], -kPositionSlack),
                         Widened(most[k], kPositionSlack), distance[k]};
       if (segments_.cover().Holds(entry.begin, entry.end)) continue;
+      Prefetch(entry.node);
       int at = depth++;
       for (; at > first && stack_[at - 1].distance < entry.distance; --at) stack_[at] = stack_[at - 1];
       stack_[at] = entry;
     }
     return depth;
+  }
+
+  /// Nodes and blocks are spread over more memory than caches hold, but are known well before their turn.
+  HWY_INLINE void Prefetch(int32_t node) const {
+    const char* from;
+    int lines;
+    if (node < 0) {
+      from = reinterpret_cast<const char*>(tree_.blocks.data() + size_t(uint32_t(~node)) * 4);
+      lines = tree_.moves ? 7 : 4;
+    } else {
+      from = reinterpret_cast<const char*>(tree_.Node(query_.span, node));
+      lines = tree_.moves ? 6 : 3;
+      hwy::Prefetch(&tree_.children[size_t(node)]);
+    }
+    for (int i = 0; i < lines; ++i) hwy::Prefetch(from + 64 * i);
   }
 
   /// l of a direction; where that is nothing, something that is no number.
@@ -164,89 +183,93 @@ class Walker {
                    hn::Mul(hn::Set(d, a.z), v[2]));
   }
 
-  /// A corner of each triangle relative to the point, at the instant.
-  HWY_INLINE void Place(const double* points, const MotionWeights& motion, size_t corner, size_t lane,
-                        DoublesV* v) const {
-    const Doubles d;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const double* const from = points + (corner * 3 + axis) * kTreeWidth + lane;
-      DoublesV p = hn::LoadU(d, from);
-      if (motion.count > 1) {
-        p = hn::Mul(hn::Set(d, motion.weights[0]), p);
-        for (int k = 1; k < motion.count; ++k) {
-          p = hn::Add(p,
-                      hn::Mul(hn::Set(d, motion.weights[size_t(k)]), hn::LoadU(d, from + k * kBlockPlane)));
-        }
-      }
-      v[axis] = hn::Sub(p, hn::Set(d, query_.point[int(axis)]));
+  HWY_INLINE void CutLeaf(uint32_t block) {
+    while (true) {
+      const double* const numbers = tree_.blocks.data() + size_t(block) * 4;
+      BlockHeader header;
+      std::memcpy(static_cast<void*>(&header), numbers, sizeof header);
+      CutBlock(header, numbers + kHeaderSize, block == query_.own.block ? query_.own.number : -1);
+      if (header.is_last) return;
+      const size_t points = size_t(tree_.classes[header.motion_class].Points());
+      block += uint32_t((kHeaderSize + points * 3 * header.stride) / 4);
     }
   }
 
-  HWY_INLINE void CutBlock(const OccluderBlock& block) {
+  /// What the plane makes of a block's vertices.
+  struct CutVertices {
+    HWY_ALIGN double from_point[3][kMostLanes];
+    HWY_ALIGN double side[kMostLanes], along[kMostLanes], up[kMostLanes];
+    uint32_t over_plane = 0, over_face = 0;  ///< By bit.
+  };
+
+  HWY_INLINE void CutBlock(const BlockHeader& header, const double* points, int own) {
     const Doubles d;
-    const MotionWeights& motion = query_.motions[block.motion_class];
-    const double* const points = tree_.points.data() + block.first + size_t(motion.first) * kBlockPlane;
-    for (size_t i = 0; i < block.count; i += hn::Lanes(d)) {
-      DoublesV corner[3][3], side[3];
-      for (size_t k = 0; k < 3; ++k) {
-        Place(points, motion, k, i, corner[k]);
-        side[k] = Dot(query_.plane, corner[k]);
+    const MotionWeights& motion = query_.motions[header.motion_class];
+    const size_t stride = header.stride;
+    const double* const from = points + size_t(motion.first) * 3 * stride;
+    CutVertices cut;
+    for (size_t i = 0; i < header.vertices; i += hn::Lanes(d)) {
+      // Place vertices at the instant, relative to the point.
+      DoublesV v[3];
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const double* at = from + axis * stride + i;
+        DoublesV p = hn::LoadU(d, at);
+        if (motion.count > 1) {
+          p = hn::Mul(hn::Set(d, motion.weights[0]), p);
+          for (int k = 1; k < motion.count; ++k) {
+            at += 3 * stride;
+            p = hn::Add(p, hn::Mul(hn::Set(d, motion.weights[size_t(k)]), hn::LoadU(d, at)));
+          }
+        }
+        v[axis] = hn::Sub(p, hn::Set(d, query_.point[int(axis)]));
+        hn::StoreU(v[axis], d, cut.from_point[axis] + i);
       }
+      const DoublesV side = Dot(query_.plane, v);
+      hn::StoreU(side, d, cut.side + i);
+      cut.over_plane |= uint32_t(BitsOf(d, hn::Ge(side, hn::Zero(d))) << i);
 
-      // One corner is alone on its side of the plane; the plane itself belongs to one side.
-      const DoublesV zero = hn::Zero(d);
-      const auto in0 = hn::Ge(side[0], zero), in1 = hn::Ge(side[1], zero), in2 = hn::Ge(side[2], zero);
-      const auto differ01 = hn::Xor(in0, in1), differ02 = hn::Xor(in0, in2);
-      const auto cut = hn::Or(differ01, differ02);
-      uint64_t bits = BitsOf(d, cut);
-      if (bits == 0) continue;
-
-      // Something of it is over the face by more than rounding.
-      DoublesV height = zero, reach = zero;
-      for (size_t k = 0; k < 3; ++k) {
-        height = hn::Max(height, Dot(query_.face, corner[k]));
-        reach = hn::Max(
-            reach, hn::Add(hn::Add(hn::Abs(corner[k][0]), hn::Abs(corner[k][1])), hn::Abs(corner[k][2])));
-      }
+      // Which are over the face by more than rounding.
+      const DoublesV reach = hn::Add(hn::Add(hn::Abs(v[0]), hn::Abs(v[1])), hn::Abs(v[2]));
       const DoublesV slack =
           hn::Add(hn::Set(d, kHeightRoundings * query_.size),
                   hn::Mul(hn::Set(d, kHeightRoundings * (query_.size * query_.inverse_height + 1)), reach));
-      bits &= BitsOf(d, hn::Gt(height, slack));
-      if (bits == 0) continue;
-
-      // The edges from the corner that is alone, as sums of positive terms.
-      DoublesV along[3], up[3], away[3];
-      for (size_t k = 0; k < 3; ++k) {
-        along[k] = Dot(query_.along, corner[k]);
-        up[k] = Dot(query_.up, corner[k]);
-        away[k] = hn::Abs(side[k]);
-      }
-      const auto alone1 = hn::AndNot(differ02, differ01), alone2 = hn::AndNot(differ01, differ02);
-      const auto choose = [&](const DoublesV* v, DoublesV& a, DoublesV& b, DoublesV& c) HWY_ATTR {
-        a = hn::IfThenElse(alone1, v[1], hn::IfThenElse(alone2, v[2], v[0]));
-        b = hn::IfThenElse(alone1, v[0], v[1]);
-        c = hn::IfThenElse(alone2, v[0], v[2]);
-      };
-      DoublesV away_a, away_b, away_c, along_a, along_b, along_c, up_a, up_b, up_c;
-      choose(away, away_a, away_b, away_c);
-      choose(along, along_a, along_b, along_c);
-      choose(up, up_a, up_b, up_c);
-      HWY_ALIGN double section[6][kTreeWidth];
-      const auto mix = [&](DoublesV a, DoublesV b, DoublesV away_other)
-                           HWY_ATTR { return hn::Add(hn::Mul(away_other, a), hn::Mul(away_a, b)); };
-      hn::Store(mix(along_a, along_b, away_b), d, section[0]);
-      hn::Store(mix(up_a, up_b, away_b), d, section[1]);
-      hn::Store(hn::Add(away_a, away_b), d, section[2]);
-      hn::Store(mix(along_a, along_c, away_c), d, section[3]);
-      hn::Store(mix(up_a, up_c, away_c), d, section[4]);
-      hn::Store(hn::Add(away_a, away_c), d, section[5]);
-      for (; bits != 0; bits &= bits - 1) {
-        const size_t lane = size_t(__builtin_ctzll(bits));
-        if (i + lane >= block.count || block.triangles[i + lane] == query_.own_triangle) continue;
-        segments_.Add({section[0][lane], section[1][lane], section[2][lane], section[3][lane],
-                       section[4][lane], section[5][lane]});
-      }
+      cut.over_face |= uint32_t(BitsOf(d, hn::Gt(Dot(query_.face, v), slack)) << i);
     }
+    const uint32_t all = (uint32_t{1} << header.vertices) - 1;
+    if ((cut.over_plane & all) == 0 || (cut.over_plane & all) == all || (cut.over_face & all) == 0) return;
+
+    bool is_placed = false;
+    for (int i = 0; i < header.count; ++i) {
+      const auto& corners = header.corners[size_t(i)];
+      const uint32_t bits = uint32_t{1} << corners[0] | uint32_t{1} << corners[1] | uint32_t{1} << corners[2];
+      const uint32_t over = cut.over_plane & bits;
+      if (over == 0 || over == bits || (cut.over_face & bits) == 0 || i == own) continue;
+      if (!is_placed) {
+        is_placed = true;
+        for (size_t k = 0; k < header.vertices; k += hn::Lanes(d)) {
+          const DoublesV v[3] = {hn::LoadU(d, cut.from_point[0] + k), hn::LoadU(d, cut.from_point[1] + k),
+                                 hn::LoadU(d, cut.from_point[2] + k)};
+          hn::StoreU(Dot(query_.along, v), d, cut.along + k);
+          hn::StoreU(Dot(query_.up, v), d, cut.up + k);
+        }
+      }
+      // One corner is alone on its side of the plane; the plane itself belongs to one side.
+      const auto is_over = [&](size_t k) { return (cut.over_plane >> corners[k] & 1) != 0; };
+      const size_t alone = is_over(0) == is_over(1) ? 2 : is_over(0) == is_over(2) ? 1 : 0;
+      AddSection(cut, corners[alone], corners[alone == 0 ? 1 : 0], corners[alone == 2 ? 1 : 2]);
+    }
+  }
+
+  /// The edges from corner a, which is alone, to b and c, as sums of positive terms.
+  HWY_INLINE void AddSection(const CutVertices& cut, size_t a, size_t b, size_t c) {
+    const double away_a = std::abs(cut.side[a]), away_b = std::abs(cut.side[b]),
+                 away_c = std::abs(cut.side[c]);
+    segments_.Add({.along0 = away_b * cut.along[a] + away_a * cut.along[b],
+                   .up0 = away_b * cut.up[a] + away_a * cut.up[b],
+                   .weight0 = away_a + away_b,
+                   .along1 = away_c * cut.along[a] + away_a * cut.along[c],
+                   .up1 = away_c * cut.up[a] + away_a * cut.up[c],
+                   .weight1 = away_a + away_c});
   }
 
   const OccluderTree& tree_;
