@@ -54,6 +54,7 @@ OcclusionRun MeasurePoints(const OcclusionPoints& points, const std::function<do
 
 /// The time at which rays have an error, by a straight line in logarithms through the rungs about it.
 double RayTimeAt(const std::vector<OcclusionRun>& rays, double rmse) {
+  if (!(rmse > 0) || !(rays.back().rmse > 0)) return 0;
   size_t k = 1;
   while (k + 1 < rays.size() && rays[k].rmse > rmse) ++k;
   const double slope =

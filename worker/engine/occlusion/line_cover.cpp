@@ -14,18 +14,11 @@ void LineCover::Add(int32_t begin, int32_t end) {
     return;
   }
   if (first->begin <= begin && first->end >= end) return;
-  auto last = first;
+  auto last = first + 1;
   while (last != intervals_.end() && last->begin <= end) ++last;
   first->begin = std::min(first->begin, begin);
   first->end = std::max((last - 1)->end, end);
-  intervals_.erase(first + 1, last);
-}
-
-bool LineCover::Holds(int32_t begin, int32_t end) const {
-  for (const LineInterval& interval : intervals_) {
-    if (interval.end >= end) return interval.begin <= begin;
-  }
-  return false;
+  if (last != first + 1) intervals_.erase(first + 1, last);
 }
 
 }  // namespace shutterline::engine

@@ -20,7 +20,12 @@ class LineCover {
   /// `begin` <= `end`; what is empty adds nothing.
   void Add(int32_t begin, int32_t end);
 
-  bool Holds(int32_t begin, int32_t end) const;
+  bool Holds(int32_t begin, int32_t end) const {
+    for (const LineInterval& interval : intervals_) {
+      if (interval.end >= end) return interval.begin <= begin;
+    }
+    return false;
+  }
   bool IsFull() const {
     return intervals_.size() == 1 && intervals_[0].begin == -kLineEnd && intervals_[0].end == kLineEnd;
   }

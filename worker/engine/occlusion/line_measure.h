@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "common/job/occlusion_settings.h"
@@ -10,6 +11,14 @@ namespace shutterline::engine {
 /// that share an edge then end and begin at one and the same, and a line that is full is known to be.
 inline constexpr int32_t kLineEnd = int32_t{1} << 30;
 inline constexpr double kLineUnit = 1.0 / kLineEnd;
+
+/// Added to a number of magnitude below 2^50, leaves it rounded to the nearest integer in the low digits.
+inline constexpr double kRounder = 0x1.8p52;
+
+/// l as an integer, by the same roundings as in vectors: `rounded` is kRounder + l kLineEnd.
+inline int32_t PositionFrom(double rounded) {
+  return int32_t(uint32_t(std::bit_cast<uint64_t>(rounded)));
+}
 
 /// The whole of a line. Shares are integers so that sums do not depend on their order.
 inline constexpr int64_t kWholeLine = int64_t{1} << 40;

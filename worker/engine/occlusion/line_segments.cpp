@@ -59,8 +59,7 @@ bool ClipToRadius(double radius, Direction& a, Direction& b) {
 }
 
 int32_t PositionOf(const Direction& d) {
-  const double l = d.along / std::sqrt(d.along * d.along + d.up * d.up);
-  return int32_t(std::floor(l * kLineEnd + 0.5));
+  return PositionFrom(d.along / std::sqrt(d.along * d.along + d.up * d.up) * kLineEnd + kRounder);
 }
 
 }  // namespace
@@ -70,6 +69,7 @@ void LineSegments::Begin(const LineQuery& query, OcclusionFalloff falloff) {
   falloff_ = falloff;
   const double least = kHeightRoundings * query.size;
   least_ = least * least;
+  only_covers_ = falloff == OcclusionFalloff::kNone && !std::isfinite(query.radius);
   cover_.Clear();
   segments_.clear();
 }
@@ -85,9 +85,8 @@ void LineSegments::Add(const LineSection& section) {
   }
 
   // Keep what is near.
-  const bool needs_places = falloff_ != OcclusionFalloff::kNone || std::isfinite(query.radius);
   DistanceSegment segment;
-  if (needs_places) {
+  if (!only_covers_) {
     a = {a.along / section.weight0, a.up / section.weight0};
     b = {b.along / section.weight1, b.up / section.weight1};
     const double cross = a.along * b.up - a.up * b.along;

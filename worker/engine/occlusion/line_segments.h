@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,14 @@ class LineSegments {
 
   void Add(const LineSection& section);
 
+  /// True without fall-off and radius: a section that lies over face and horizon and does not end at the
+  /// point
+  /// (`least`) is no more than the positions of its ends, as line_measure.h rounds them.
+  bool OnlyCovers() const { return only_covers_; }
+  void AddCover(int32_t a, int32_t b) { cover_.Add(std::min(a, b), std::max(a, b)); }
+  /// Squared distance up to which an end has no direction.
+  double least() const { return least_; }
+
   /// Without fall-off, what is covered so far; what comes from there adds nothing. Else empty.
   const LineCover& cover() const { return cover_; }
 
@@ -27,7 +36,8 @@ class LineSegments {
  private:
   const LineQuery* query_ = nullptr;
   OcclusionFalloff falloff_ = OcclusionFalloff::kNone;
-  double least_ = 0;  ///< Squared distance below which an end has no direction.
+  double least_ = 0;
+  bool only_covers_ = false;
   LineCover cover_;
   std::vector<DistanceSegment> segments_;
 };

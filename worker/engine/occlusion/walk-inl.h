@@ -49,6 +49,7 @@ class Walker {
         depth = OpenNode(top.node, depth);
       }
     }
+    AddWaiting();
   }
 
  private:
@@ -264,12 +265,47 @@ class Walker {
   HWY_INLINE void AddSection(const CutVertices& cut, size_t a, size_t b, size_t c) {
     const double away_a = std::abs(cut.side[a]), away_b = std::abs(cut.side[b]),
                  away_c = std::abs(cut.side[c]);
-    segments_.Add({.along0 = away_b * cut.along[a] + away_a * cut.along[b],
-                   .up0 = away_b * cut.up[a] + away_a * cut.up[b],
-                   .weight0 = away_a + away_b,
-                   .along1 = away_c * cut.along[a] + away_a * cut.along[c],
-                   .up1 = away_c * cut.up[a] + away_a * cut.up[c],
-                   .weight1 = away_a + away_c});
+    const size_t n = waiting_++;
+    ends_[0].along[n] = away_b * cut.along[a] + away_a * cut.along[b];
+    ends_[0].up[n] = away_b * cut.up[a] + away_a * cut.up[b];
+    ends_[0].weight[n] = away_a + away_b;
+    ends_[1].along[n] = away_c * cut.along[a] + away_a * cut.along[c];
+    ends_[1].up[n] = away_c * cut.up[a] + away_a * cut.up[c];
+    ends_[1].weight[n] = away_a + away_c;
+    if (waiting_ == kTreeWidth) AddWaiting();
+  }
+
+  /// Adds the sections that have been put off.
+  HWY_INLINE void AddWaiting() {
+    const Doubles d;
+    HWY_ALIGN double position[2][kTreeWidth];
+    uint64_t plain = 0;  // Those of which nothing is to be cut off.
+    for (size_t i = 0; segments_.OnlyCovers() && i < waiting_; i += hn::Lanes(d)) {
+      uint64_t bits = ~uint64_t{0};
+      for (size_t e = 0; e < 2; ++e) {
+        const DoublesV along = hn::Load(d, ends_[e].along + i), up = hn::Load(d, ends_[e].up + i);
+        const DoublesV weight = hn::Load(d, ends_[e].weight + i);
+        const DoublesV square = hn::Add(hn::Mul(along, along), hn::Mul(up, up));
+        const DoublesV height =
+            hn::Add(hn::Mul(hn::Set(d, query_.face_along), along), hn::Mul(hn::Set(d, query_.face_up), up));
+        const DoublesV zero = hn::Zero(d), least = hn::Set(d, segments_.least());
+        const auto is_plain = hn::And(hn::And(hn::Gt(up, zero), hn::Gt(height, zero)),
+                                      hn::Gt(square, hn::Mul(hn::Mul(least, weight), weight)));
+        bits &= BitsOf(d, is_plain);
+        const DoublesV l = hn::Div(along, hn::Sqrt(square));
+        hn::Store(hn::Add(hn::Mul(l, hn::Set(d, kLineEnd)), hn::Set(d, kRounder)), d, position[e] + i);
+      }
+      plain |= bits << i;
+    }
+    for (size_t i = 0; i < waiting_; ++i) {
+      if ((plain >> i & 1) != 0) {
+        segments_.AddCover(PositionFrom(position[0][i]), PositionFrom(position[1][i]));
+      } else {
+        segments_.Add({ends_[0].along[i], ends_[0].up[i], ends_[0].weight[i], ends_[1].along[i],
+                       ends_[1].up[i], ends_[1].weight[i]});
+      }
+    }
+    waiting_ = 0;
   }
 
   const OccluderTree& tree_;
@@ -277,6 +313,11 @@ class Walker {
   LineSegments& segments_;
   float point_[3], along_[3], up_[3], plane_[3], face_[3];
   float slack_, reach_;
+  struct SectionEnds {
+    HWY_ALIGN double along[kTreeWidth], up[kTreeWidth], weight[kTreeWidth];
+  };
+  SectionEnds ends_[2] = {};
+  size_t waiting_ = 0;
   Entry stack_[kMostEntries];
 };
 
