@@ -59,7 +59,7 @@ HemisphereLine LineAt(const OcclusionSettings& settings, int i, const LineShifts
     line.heading = HeadingOf(shifts.heading / 2);
     line.lean = std::clamp(2 * place - 1, -kMostLean, kMostLean);
   }
-  if (settings.motion) line.instant = (double(i * TimeStep(n) % n) + shifts.instant) / n;
+  if (settings.motion) line.instant = Fraction((double(i * TimeStep(n) % n) + 0.5) / n + shifts.instant);
   return line;
 }
 

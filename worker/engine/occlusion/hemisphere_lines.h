@@ -26,7 +26,9 @@ struct HemisphereLine {
 struct LineShifts {
   double position = 0.5;  ///< Of the lines in their strata.
   double heading = 0;     ///< Of tilted lines, all together, in half turns.
-  double instant = 0.5;   ///< Of the instants in their strata.
+  /// Of the instants, round the shutter: were they only to move in their strata, a place on the hemisphere
+  /// would never be seen at some times.
+  double instant = 0;
 };
 
 /// Line `i` of `settings.lines`. Every line has a stratum of its own of the shutter; lines that are
