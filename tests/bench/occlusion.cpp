@@ -127,6 +127,7 @@ absl::Status Occlusion(const ReportOptions& options) {
         }));
         report("rays", count, ladder.back(), 0, "");
       }
+      if (getenv("AO_WARM")) { settings.lines=16; settings.pattern=OcclusionPattern::kPole; SL_ASSIGN_OR_RETURN(const auto occ, engine::AmbientOcclusion::Create(frame, settings, options.threads)); double cold=0,warm=0,s2=0; for(size_t i=0;i<points.hits.size();++i){const ProbeHit& h=points.hits[i]; Stopwatch w; for(int k=0;k<20;++k){ s2+=occ.At(h.triangle,h.b1,h.b2); if(k==0) cold+=w.Cpu();} warm+=w.Cpu();} std::printf("cold %.1f warm %.1f us %f\n",cold*1e6/double(points.hits.size()),warm*1e6/20/double(points.hits.size()),s2); return absl::OkStatus(); }
       size_t rung = 0;
       for (const OcclusionPattern pattern : {OcclusionPattern::kPole, OcclusionPattern::kTilted}) {
         for (const bool turned : {true, false}) {

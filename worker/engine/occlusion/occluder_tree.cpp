@@ -254,6 +254,7 @@ class Builder {
         while (v < vertices.size() && vertices[v].number != vertex) ++v;
         if (v == vertices.size()) vertices.push_back({&frame_.primitives[triangle.primitive], vertex});
         header.corners[header.count][corner] = uint8_t(v);
+        header.masks[header.count] |= uint32_t{1} << v;
       }
       ++header.count;
     }

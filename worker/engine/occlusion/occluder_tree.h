@@ -27,6 +27,7 @@ struct MotionClass {
 struct BlockHeader {
   static constexpr int kMostTriangles = 8, kMostVertices = 3 * kMostTriangles;
 
+  std::array<uint32_t, kMostTriangles> masks{};                  ///< The corners of each, by bit.
   std::array<std::array<uint8_t, 3>, kMostTriangles> corners{};  ///< Numbers of vertices.
   uint8_t count = 0;                                             ///< Of triangles.
   uint8_t vertices = 0;
@@ -37,7 +38,7 @@ struct BlockHeader {
 };
 /// In numbers.
 inline constexpr int kHeaderSize = sizeof(BlockHeader) / sizeof(double);
-static_assert(sizeof(BlockHeader) == 32);
+static_assert(sizeof(BlockHeader) == 64);
 
 /// A triangle's place in the tree.
 struct OccluderPlace {

@@ -55,6 +55,7 @@ class Walker {
  private:
   using Floats = hn::CappedTag<float, kTreeWidth>;
   using FloatsV = hn::Vec<Floats>;
+  using Masks = hn::CappedTag<uint32_t, BlockHeader::kMostTriangles>;
   using Doubles = hn::CappedTag<double, kTreeWidth>;
   /// A last vector may begin at any multiple of four.
   static constexpr int kMostLanes = BlockHeader::kMostVertices + kTreeWidth;
@@ -149,7 +150,7 @@ class Walker {
     int lines;
     if (node < 0) {
       from = reinterpret_cast<const char*>(tree_.blocks.data() + size_t(uint32_t(~node)) * 4);
-      lines = tree_.moves ? 7 : 4;
+      lines = tree_.moves ? 7 : 5;
     } else {
       from = reinterpret_cast<const char*>(tree_.Node(query_.span, node));
       lines = tree_.moves ? 6 : 3;
@@ -239,25 +240,34 @@ class Walker {
     const uint32_t all = (uint32_t{1} << header.vertices) - 1;
     if ((cut.over_plane & all) == 0 || (cut.over_plane & all) == all || (cut.over_face & all) == 0) return;
 
-    bool is_placed = false;
-    for (int i = 0; i < header.count; ++i) {
-      const auto& corners = header.corners[size_t(i)];
-      const uint32_t bits = uint32_t{1} << corners[0] | uint32_t{1} << corners[1] | uint32_t{1} << corners[2];
-      const uint32_t over = cut.over_plane & bits;
-      if (over == 0 || over == bits || (cut.over_face & bits) == 0 || i == own) continue;
-      if (!is_placed) {
-        is_placed = true;
-        for (size_t k = 0; k < header.vertices; k += hn::Lanes(d)) {
-          const DoublesV v[3] = {hn::LoadU(d, cut.from_point[0] + k), hn::LoadU(d, cut.from_point[1] + k),
-                                 hn::LoadU(d, cut.from_point[2] + k)};
-          hn::StoreU(Dot(query_.along, v), d, cut.along + k);
-          hn::StoreU(Dot(query_.up, v), d, cut.up + k);
-        }
-      }
+    // Find the triangles with corners on both sides, one of them over the face.
+    const Masks dm;
+    uint64_t hit = 0;
+    for (size_t i = 0; i < header.count; i += hn::Lanes(dm)) {
+      const auto masks = hn::LoadU(dm, header.masks.data() + i);
+      const auto over = hn::And(masks, hn::Set(dm, cut.over_plane));
+      const auto high = hn::And(masks, hn::Set(dm, cut.over_face));
+      const auto none = hn::Zero(dm);
+      const auto misses = hn::Or(hn::Or(hn::Eq(over, none), hn::Eq(over, masks)), hn::Eq(high, none));
+      hit |= BitsOf(dm, hn::Not(misses)) << i;
+    }
+    if (own >= 0) hit &= ~(uint64_t{1} << own);
+    if (hit == 0) return;
+    for (size_t k = 0; k < header.vertices; k += hn::Lanes(d)) {
+      const DoublesV v[3] = {hn::LoadU(d, cut.from_point[0] + k), hn::LoadU(d, cut.from_point[1] + k),
+                             hn::LoadU(d, cut.from_point[2] + k)};
+      hn::StoreU(Dot(query_.along, v), d, cut.along + k);
+      hn::StoreU(Dot(query_.up, v), d, cut.up + k);
+    }
+    for (; hit != 0; hit &= hit - 1) {
       // One corner is alone on its side of the plane; the plane itself belongs to one side.
-      const auto is_over = [&](size_t k) { return (cut.over_plane >> corners[k] & 1) != 0; };
-      const size_t alone = is_over(0) == is_over(1) ? 2 : is_over(0) == is_over(2) ? 1 : 0;
-      AddSection(cut, corners[alone], corners[alone == 0 ? 1 : 0], corners[alone == 2 ? 1 : 2]);
+      static constexpr uint8_t kAlone[8][3] = {{0, 1, 2}, {0, 1, 2}, {1, 0, 2}, {2, 0, 1},
+                                               {2, 0, 1}, {1, 0, 2}, {0, 1, 2}, {0, 1, 2}};
+      const auto& corners = header.corners[size_t(__builtin_ctzll(hit))];
+      const uint32_t sides = (cut.over_plane >> corners[0] & 1) | (cut.over_plane >> corners[1] & 1) << 1 |
+                             (cut.over_plane >> corners[2] & 1) << 2;
+      const auto& order = kAlone[sides];
+      AddSection(cut, corners[order[0]], corners[order[1]], corners[order[2]]);
     }
   }
 
