@@ -84,7 +84,8 @@ class Walker {
   HWY_INLINE int OpenNode(int32_t node, int depth) {
     const Floats d;
     const float* const numbers = tree_.Node(query_.span, node);
-    HWY_ALIGN float least[kTreeWidth], most[kTreeWidth], distance[kTreeWidth];
+    HWY_ALIGN int32_t begin[kTreeWidth], end[kTreeWidth];
+    HWY_ALIGN float distance[kTreeWidth];
     uint64_t hit = 0;
     for (size_t i = 0; i < kTreeWidth; i += hn::Lanes(d)) {
       // Place the boxes at the instant.
@@ -126,16 +127,18 @@ class Walker {
       const FloatsV half_along = hn::Add(AbsDot(along_, box[3], box[4], box[5]), slack);
       const FloatsV low = hn::Max(hn::Sub(up, half_up), hn::Zero(d)), high = hn::Add(up, half_up);
       const FloatsV left = hn::Sub(along, half_along), right = hn::Add(along, half_along);
-      hn::Store(PositionOf(left, hn::IfThenElse(hn::Lt(left, hn::Zero(d)), low, high)), d, least + i);
-      hn::Store(PositionOf(right, hn::IfThenElse(hn::Lt(right, hn::Zero(d)), high, low)), d, most + i);
+      const FloatsV zero = hn::Zero(d), one = hn::Set(d, 1), margin = hn::Set(d, kPositionSlack);
+      const FloatsV least = hn::Sub(PositionOf(left, hn::IfThenElse(hn::Lt(left, zero), low, high)), margin);
+      const FloatsV most = hn::Add(PositionOf(right, hn::IfThenElse(hn::Lt(right, zero), high, low)), margin);
+      // What is no number goes to the line's end.
+      StorePositions(hn::IfThenElse(hn::Gt(least, hn::Neg(one)), least, hn::Neg(one)), begin + i);
+      StorePositions(hn::IfThenElse(hn::Lt(most, one), most, one), end + i);
       hn::Store(hn::Add(hn::Mul(along, along), hn::Mul(up, up)), d, distance + i);
     }
     const int first = depth;
     for (; hit != 0; hit &= hit - 1) {
       const size_t k = size_t(__builtin_ctzll(hit));
-      const Entry entry{tree_.children[size_t(node)][k], Widened(least[k], -kPositionSlack),
-                        Widened(most[k], kPositionSlack), distance[k]};
-      if (segments_.cover().Holds(entry.begin, entry.end)) continue;
+      const Entry entry{tree_.children[size_t(node)][k], begin[k], end[k], distance[k]};
       Prefetch(entry.node);
       int at = depth++;
       for (; at > first && stack_[at - 1].distance < entry.distance; --at) stack_[at] = stack_[at - 1];
@@ -165,11 +168,9 @@ class Walker {
   }
 
   static constexpr float kPositionSlack = 0x1p-20f;
-  /// What is no number goes to the line's end.
-  static HWY_INLINE int32_t Widened(float l, float by) {
-    const float wide = l + by;
-    if (by < 0) return wide > -1 ? int32_t(wide * float(kLineEnd)) : -kLineEnd;
-    return wide < 1 ? int32_t(wide * float(kLineEnd)) : kLineEnd;
+  static HWY_INLINE void StorePositions(FloatsV l, int32_t* positions) {
+    const hn::RebindToSigned<Floats> di;
+    hn::StoreU(hn::ConvertTo(di, hn::Mul(l, hn::Set(Floats(), float(kLineEnd)))), di, positions);
   }
 
   template <class D, class M>
