@@ -62,12 +62,18 @@ double RayTimeAt(const std::vector<OcclusionRun>& rays, double rmse) {
   return rays[k].microseconds * std::exp(slope * std::log(rmse / rays[k].rmse));
 }
 
+/// Points in groups of 3 × 3 pixels, as neighbours are shaded one after the other.
 std::vector<ProbeHit> PointsOf(const PointProbe& probe, const RenderSettings& settings, int across) {
+  constexpr int kGroup = 3;
+  const int down = across * 3 / 4;
   std::vector<ProbePoint> places;
-  for (int y = 0; y < across * 3 / 4; ++y) {
+  for (int y = 0; y < down; ++y) {
     for (int x = 0; x < across; ++x) {
-      places.push_back({(x + 0.5 + 0.3 * ((y * 7) % 3 - 1)) * settings.width / across,
-                        (y + 0.5 + 0.3 * ((x * 5) % 3 - 1)) * settings.height / (across * 3 / 4), 0.5});
+      const int left = (x * settings.width + settings.width / 2) / across;
+      const int top = (y * settings.height + settings.height / 2) / down;
+      for (int i = 0; i < kGroup * kGroup; ++i) {
+        places.push_back({left + i % kGroup + 0.5, top + i / kGroup + 0.5, 0.5});
+      }
     }
   }
   std::vector<ProbeHit> hits(places.size());
@@ -91,7 +97,7 @@ absl::Status Occlusion(const ReportOptions& options) {
     SL_ASSIGN_OR_RETURN(const auto frame, engine::BuildFrameScene(loaded.scene, scene.frame, scene.settings));
     SL_ASSIGN_OR_RETURN(const auto probe, PointProbe::Create(frame, scene.settings, options.threads));
     OcclusionPoints points;
-    points.hits = PointsOf(*probe, scene.settings, options.quick ? 16 : 24);
+    points.hits = PointsOf(*probe, scene.settings, options.quick ? 4 : 9);
     std::vector<double> still_times;
     for (const bool motion : {false, true}) {
       OcclusionSettings settings;
@@ -127,7 +133,6 @@ absl::Status Occlusion(const ReportOptions& options) {
         }));
         report("rays", count, ladder.back(), 0, "");
       }
-      if (getenv("AO_WARM")) { settings.lines=16; settings.pattern=OcclusionPattern::kPole; SL_ASSIGN_OR_RETURN(const auto occ, engine::AmbientOcclusion::Create(frame, settings, options.threads)); double cold=0,warm=0,s2=0; for(size_t i=0;i<points.hits.size();++i){const ProbeHit& h=points.hits[i]; Stopwatch w; for(int k=0;k<20;++k){ s2+=occ.At(h.triangle,h.b1,h.b2); if(k==0) cold+=w.Cpu();} warm+=w.Cpu();} std::printf("cold %.1f warm %.1f us %f\n",cold*1e6/double(points.hits.size()),warm*1e6/20/double(points.hits.size()),s2); return absl::OkStatus(); }
       size_t rung = 0;
       for (const OcclusionPattern pattern : {OcclusionPattern::kPole, OcclusionPattern::kTilted}) {
         for (const bool turned : {true, false}) {
