@@ -52,10 +52,12 @@ Heading HeadingOf(double turns) {
 HemisphereLine LineAt(const OcclusionSettings& settings, int i, const LineShifts& shifts) {
   const int n = settings.lines;
   HemisphereLine line;
-  const double place = (i + shifts.position) / n;
   if (settings.pattern == OcclusionPattern::kPole) {
-    line.heading = HeadingOf(place / 2);
+    line.heading = HeadingOf((i + shifts.position) / (2.0 * n));
   } else {
+    // What the first and the last line see differs. Neighbours are shifted against each other, so that it
+    // does not matter where in their strata they are.
+    const double place = (i + (i % 2 == 0 ? shifts.position : 1 - shifts.position)) / n;
     line.heading = HeadingOf(shifts.heading / 2);
     line.lean = std::clamp(2 * place - 1, -kMostLean, kMostLean);
   }
