@@ -6,6 +6,7 @@
 
 #include "tests/engine/occlusion/occlusion_scene.h"
 #include "tests/support/only_target.h"
+#include "tests/support/random_soup.h"
 
 namespace shutterline::engine {
 namespace {
@@ -182,6 +183,28 @@ TEST(OcclusionInvariance, NeitherSizeNorPlaceNorDirectionMatters) {
       if ((20.0 * V3d(1, 2, -3) - 6.0 * z).dot(z) < 0) {
         EXPECT_NEAR(other, many, 2e-3);
       }
+    }
+  }
+}
+
+TEST(OcclusionInvariance, WhateverAFrameHoldsIsAShare) {
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    const auto frame = RandomSoup(seed, 150, seed % 2 == 0);
+    for (const OcclusionSettings& settings : AllSettings(4)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", fall-off " << int(settings.falloff));
+      const auto occlusion = AmbientOcclusion::Create(frame, settings, 2);
+      ASSERT_TRUE(occlusion.ok());
+      std::vector<double> expected;
+      for (uint32_t i = 0; i < frame->triangles.size(); ++i) {
+        expected.push_back(occlusion->At(i, 0.3, 0.3));
+        ASSERT_GE(expected.back(), 0);
+        ASSERT_LE(expected.back(), 1);
+      }
+      ForEachTarget([&] {
+        for (uint32_t i = 0; i < frame->triangles.size(); ++i) {
+          ASSERT_EQ(occlusion->At(i, 0.3, 0.3), expected[i]) << i;
+        }
+      });
     }
   }
 }

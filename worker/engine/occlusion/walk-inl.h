@@ -66,8 +66,9 @@ class Walker {
     int32_t begin, end;  ///< Positions on the line between which it is seen.
     float distance;      ///< Squared, of its middle.
   };
-  /// Eight children a level, and a tree cut in halves has few levels; see BuildBoundsTree.
-  static constexpr int kMostEntries = 4096;
+  /// Seven stay behind a level. Every cut of BuildBoundsTree halves a set or an extent, so three axes have
+  /// fewer levels than three floats have digits and exponents, some 900.
+  static constexpr int kMostEntries = 8192;
 
   static HWY_INLINE FloatsV Dot(const float* a, FloatsV x, FloatsV y, FloatsV z) {
     const Floats d;
