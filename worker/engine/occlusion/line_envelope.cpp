@@ -33,7 +33,11 @@ class Sweep {
  public:
   explicit Sweep(const FalloffRule& rule) : rule_(rule) {}
 
-  int64_t sum() const { return sum_; }
+  /// Ends the sweep.
+  int64_t Sum() {
+    ClosePiece();
+    return sum_;
+  }
 
   /// All of `active` reach from `begin` to `end`.
   void AddStretch(const std::vector<DistanceSegment>& active, int32_t begin, int32_t end) {
@@ -70,13 +74,34 @@ class Sweep {
   }
 
  private:
+  /// Pieces come from left to right. What is visible on both sides of an end of something hidden is one
+  /// piece.
   void AddPiece(const DistanceSegment& segment, const LineDirection& a, const LineDirection& b) {
     if (!(a.along < b.along)) return;
-    sum_ += std::llround(OcclusionOfPiece(segment, a, b, rule_) * double(kWholeLine));
+    if (is_open_ && end_.along == a.along && segment.inverse_along == segment_.inverse_along &&
+        segment.inverse_up == segment_.inverse_up) {
+      end_ = b;
+      return;
+    }
+    ClosePiece();
+    is_open_ = true;
+    segment_ = segment;
+    begin_ = a;
+    end_ = b;
+  }
+
+  void ClosePiece() {
+    if (is_open_) {
+      sum_ += std::llround(OcclusionOfPiece(segment_, begin_, end_, rule_) * double(kWholeLine));
+    }
+    is_open_ = false;
   }
 
   const FalloffRule& rule_;
   int64_t sum_ = 0;
+  bool is_open_ = false;  ///< The latest piece, which may go on.
+  DistanceSegment segment_;
+  LineDirection begin_, end_;
 };
 
 }  // namespace
@@ -100,7 +125,7 @@ int64_t OcclusionOfNearest(std::vector<DistanceSegment>& segments, const Falloff
     std::erase_if(active, [&](const DistanceSegment& segment) { return segment.end == until; });
     at = until;
   }
-  return std::clamp<int64_t>(sweep.sum(), 0, kWholeLine);
+  return std::clamp<int64_t>(sweep.Sum(), 0, kWholeLine);
 }
 
 }  // namespace shutterline::engine
