@@ -9,43 +9,17 @@
 #include <limits>
 
 #include "common/base/check.h"
-#include "common/math/bezier.h"
 #include "worker/engine/accel/view_scale.h"
+#include "worker/engine/occlusion/occluder_motion.h"
 
 namespace shutterline::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Spans of the shutter where something moves on a curve: boxes move straight over each.
 constexpr int kCurveSpans = 8;
 /// Half extents are widened by this share of centre and extent: sixteen roundings of single precision, more
 /// than a box's own numbers and a test against a plane have.
 constexpr double kWiden = 0x1p-20;
-
-struct Box {
-  V3d lower{kInfinity}, upper{-kInfinity};
-
-  void Extend(const V3d& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      lower[axis] = std::min(lower[axis], p[axis]);
-      upper[axis] = std::max(upper[axis], p[axis]);
-    }
-  }
-  void Extend(const Box& other) {
-    Extend(other.lower);
-    Extend(other.upper);
-  }
-};
-
-/// A box that moves straight from the one place to the other.
-struct MovingBox {
-  Box open, close;
-
-  void Extend(const MovingBox& other) {
-    open.Extend(other.open);
-    close.Extend(other.close);
-  }
-};
 
 class Builder {
  public:
@@ -58,10 +32,12 @@ class Builder {
     if (triangles_.empty()) return;
     MakeBinaryTree();
     boxes_.resize(size_t(tree_.spans) * triangles_.size());
+    const OccluderMotion motion{frame_, motion_, tree_.scale, tree_.centre, tree_.spans};
     tbb::parallel_for(tbb::blocked_range<size_t>(0, triangles_.size(), 1024),
                       [&](const tbb::blocked_range<size_t>& part) {
                         for (size_t i = part.begin(); i < part.end(); ++i) {
-                          for (int span = 0; span < tree_.spans; ++span) BoxOf(i, span) = Bound(i, span);
+                          for (int span = 0; span < tree_.spans; ++span)
+                            BoxOf(i, span) = motion.Bound(triangles_[i], span);
                         }
                       });
     tree_.places.resize(frame_.triangles.size());
@@ -103,7 +79,7 @@ class Builder {
   }
 
   void MakeBinaryTree() {
-    std::vector<Box> boxes(triangles_.size());
+    std::vector<OccluderBox> boxes(triangles_.size());
     tbb::parallel_for(tbb::blocked_range<size_t>(0, triangles_.size(), 1024),
                       [&](const tbb::blocked_range<size_t>& part) {
                         for (size_t i = part.begin(); i < part.end(); ++i) {
@@ -114,8 +90,8 @@ class Builder {
                           }
                         }
                       });
-    Box all;
-    for (const Box& box : boxes) all.Extend(box);
+    OccluderBox all;
+    for (const OccluderBox& box : boxes) all.Extend(box);
     tree_.centre = 0.5 * all.lower + 0.5 * all.upper;
     // How triangles are grouped needs no more than these.
     std::vector<ViewBounds> bounds(boxes.size());
@@ -126,54 +102,6 @@ class Builder {
       }
     }
     binary_ = BuildBoundsTree(bounds);
-  }
-
-  /// Where a triangle is over a span of the shutter, relative to the tree's centre: a box that moves straight
-  /// between the places that it has at the ends, widened by what the control points deviate from that.
-  MovingBox Bound(size_t i, int span) const {
-    const FrameTriangle& triangle = frame_.triangles[triangles_[i]];
-    const FramePrimitive& primitive = frame_.primitives[triangle.primitive];
-    MovingBox box;
-    std::vector<V3d> hull;
-    for (const uint32_t vertex : triangle.vertices) {
-      hull.clear();
-      AppendHull(primitive, vertex, span, hull);
-      const V3d open = hull.front(), close = hull.back();
-      V3d below(0), above(0);
-      for (size_t j = 1; j + 1 < hull.size(); ++j) {
-        const V3d off = hull[j] - (open + (double(j) / double(hull.size() - 1)) * (close - open));
-        for (int axis = 0; axis < 3; ++axis) {
-          below[axis] = std::min(below[axis], off[axis]);
-          above[axis] = std::max(above[axis], off[axis]);
-        }
-      }
-      box.open.Extend(open + below);
-      box.open.Extend(open + above);
-      box.close.Extend(close + below);
-      box.close.Extend(close + above);
-    }
-    return box;
-  }
-
-  /// The control points of a vertex over a span, at equal steps of it.
-  void AppendHull(const FramePrimitive& primitive, uint32_t vertex, int span, std::vector<V3d>& hull) const {
-    const auto append = [&](const RasterPoint& p) { hull.push_back(InView(p) - tree_.centre); };
-    if (!motion_ || primitive.degree == 0) {
-      append(frame_.VertexAt(primitive, vertex, 0.5));
-      return;
-    }
-    const RasterPoint* c = frame_.ControlPoints(primitive, vertex);
-    if (primitive.pieces >= tree_.spans) {
-      const int count = primitive.pieces / tree_.spans * primitive.degree;
-      for (int k = span * count; k <= (span + 1) * count; ++k) append(c[k]);
-      return;
-    }
-    const int per_piece = tree_.spans / primitive.pieces;
-    const int part = span % per_piece;
-    RasterPoint cut[kMaxBezierDegree + 1];
-    BezierPart(c + span / per_piece * primitive.degree, primitive.degree, double(part) / per_piece,
-               double(part + 1) / per_piece, cut);
-    for (int k = 0; k <= primitive.degree; ++k) append(cut[k]);
   }
 
   bool IsLeaf(uint32_t n) const { return binary_.nodes[n].skip == n + 1; }
@@ -312,7 +240,7 @@ class Builder {
 
   void WriteChild(const MovingBox& box, size_t k, float* out) const {
     for (int axis = 0; axis < 3; ++axis) {
-      const auto write = [&](const Box& b, float& centre, float& extent) {
+      const auto write = [&](const OccluderBox& b, float& centre, float& extent) {
         const double c = 0.5 * b.lower[axis] + 0.5 * b.upper[axis];
         const double e = 0.5 * b.upper[axis] - 0.5 * b.lower[axis];
         centre = float(c);
