@@ -6,9 +6,11 @@
 #include <random>
 #include <set>
 
+#include "tests/support/random_soup.h"
 #include "worker/engine/occlusion/hemisphere_lines.h"
 #include "worker/engine/occlusion/line_cover.h"
 #include "worker/engine/occlusion/line_measure.h"
+#include "worker/engine/occlusion/occluder_motion.h"
 
 namespace shutterline::engine {
 namespace {
@@ -124,6 +126,35 @@ TEST(LineCover, IsTheUnionInAnyOrder) {
         }
       }
       std::shuffle(intervals.begin(), intervals.end(), random);
+    }
+  }
+}
+
+TEST(OccluderMotion, BoxesHoldTrianglesAtAnyInstant) {
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    const auto frame = RandomSoup(seed, 80, /*curved=*/true);
+    const V3d centre(1, -2, -7);
+    for (const int spans : {1, 2, 8}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", spans " << spans);
+      const OccluderMotion motion{*frame, true, 0.5, centre, spans};
+      for (uint32_t i = 0; i < frame->triangles.size(); ++i) {
+        const FramePrimitive& primitive = frame->primitives[frame->triangles[i].primitive];
+        for (int step = 0; step <= 40; ++step) {
+          const double place = step / 40.0 * spans;
+          const int span = std::min(int(place), spans - 1);
+          const double u = place - span;
+          const MovingBox box = motion.Bound(i, span);
+          for (const uint32_t vertex : frame->triangles[i].vertices) {
+            const V3d p =
+                frame->view.ViewFromRaster(frame->VertexAt(primitive, vertex, step / 40.0)) / 0.5 - centre;
+            const double slack = 1e-12 * (1 + p.length());
+            for (int axis = 0; axis < 3; ++axis) {
+              ASSERT_GE(p[axis], (1 - u) * box.open.lower[axis] + u * box.close.lower[axis] - slack) << i;
+              ASSERT_LE(p[axis], (1 - u) * box.open.upper[axis] + u * box.close.upper[axis] + slack) << i;
+            }
+          }
+        }
+      }
     }
   }
 }
