@@ -17,6 +17,8 @@ absl::Status Stages(const ReportOptions& options);
 absl::Status DepthError(const ReportOptions& options);
 /// Patterns of lines on a frame that stands still.
 absl::Status Patterns(const ReportOptions& options);
+/// Ambient occlusion: error and time of line samples and of rays, still and in motion.
+absl::Status Occlusion(const ReportOptions& options);
 
 /// Runs the default settings by this build and by the shutterline-bench of another, turn by turn, and prints
 /// the ratio of their times and whether their pictures are equal.

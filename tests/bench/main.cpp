@@ -23,6 +23,7 @@ constexpr Part kParts[] = {
     {"stages", "Where the line integrator's time goes", shutterline::bench::Stages},
     {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError},
     {"patterns", "Patterns of lines on a still frame", shutterline::bench::Patterns},
+    {"occlusion", "Ambient occlusion by lines and by rays", shutterline::bench::Occlusion},
 };
 
 void AddOptions(CLI::App& sub, ReportOptions& options, std::string& clock) {
