@@ -140,7 +140,7 @@ void AddLightOptions(CLI::App& app, JobOptions& o) {
   auto* occlusion =
       AddValue(app, "--ao", "on|KEY=VALUE,...", "off",
                "Ambient occlusion: lines=16 (a point), radius=METRES,\nfalloff=none|linear|quadratic, "
-               "pattern=tilted|pole,\nmotion=on|off (over the shutter, or at its middle)",
+               "pattern=pole|tilted,\nmotion=on|off (over the shutter, or at its middle)",
                [&](const std::string& t) { return Store(ParseOcclusion(t), s.occlusion); });
   for (CLI::Option* option : {lighting, ambient, environment, occlusion}) option->group("Light");
 }

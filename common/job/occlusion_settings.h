@@ -17,7 +17,7 @@ struct OcclusionSettings {
   /// everything occludes; `falloff` is then kNone.
   std::optional<double> radius;
   OcclusionFalloff falloff = OcclusionFalloff::kNone;
-  OcclusionPattern pattern = OcclusionPattern::kTilted;
+  OcclusionPattern pattern = OcclusionPattern::kPole;
   /// The mean over the shutter, of occluders as they move past the moving point; else that of mid-shutter.
   bool motion = true;
 

@@ -16,7 +16,7 @@ absl::StatusOr<std::unique_ptr<EmbreeTracer>> EmbreeTracer::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
     std::shared_ptr<ShadingCache> cache) {
   SL_ASSIGN_OR_RETURN(EmbreeFrame embree, EmbreeFrame::Build(*frame_scene, threads));
-  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings, threads));
   return std::unique_ptr<EmbreeTracer>(new EmbreeTracer(
       std::move(frame_scene), std::move(shader), std::move(embree), std::move(cache), frame, settings));
 }

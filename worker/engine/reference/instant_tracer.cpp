@@ -43,7 +43,7 @@ bool InstantTracer::Fits(const FrameScene& frame, int spp) {
 absl::StatusOr<std::unique_ptr<TileIntegrator>> InstantTracer::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
     std::shared_ptr<ShadingCache> cache) {
-  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings, threads));
   std::unique_ptr<InstantTracer> tracer(
       new InstantTracer(frame_scene, std::move(shader), std::move(cache), frame, settings));
   const size_t trees = AnythingMoves(*frame_scene) ? tracer->instants_.size() : 1;

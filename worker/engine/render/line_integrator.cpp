@@ -40,7 +40,7 @@ double MiddleOf(const PixelPair& pair) {
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
     std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
     std::shared_ptr<ShadingCache> cache, int threads) {
-  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame, settings));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame, settings, threads));
   if (settings.resolver == ResolverKind::kPaper) {
     SL_RETURN_IF_ERROR(shader.CheckOpaque("resolver paper"));
     if (!settings.shutter_curve.empty()) {
@@ -105,9 +105,12 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 }
 
 std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
-  const PrimitiveTraits& traits = traits_[frame_->triangles[triangle].primitive];
-  // A highlight is narrower than what a few points tell.
-  if (traits.textured || traits.glossy) return std::nullopt;
+  const uint32_t primitive = frame_->triangles[triangle].primitive;
+  const PrimitiveTraits& traits = traits_[primitive];
+  // A highlight is narrower than what a few points tell, and so is what occludes.
+  if (traits.textured || traits.glossy || shader_.IsDear(*frame_->primitives[primitive].material)) {
+    return std::nullopt;
+  }
   const auto shade = [&](double b1, double b2) { return shader_.Shade(triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
   ColorNodes nodes;

@@ -12,10 +12,17 @@
 
 namespace shutterline::engine {
 
-absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame,
-                                      const RenderSettings& settings) {
+absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
+                                      int threads) {
   SL_ASSIGN_OR_RETURN(Lighting lighting, MakeLighting(*frame, settings));
-  return Shader(std::move(frame), std::move(lighting));
+  std::shared_ptr<const AmbientOcclusion> occlusion;
+  const bool is_shown =
+      std::find(settings.aovs.begin(), settings.aovs.end(), Aov::kAmbientOcclusion) != settings.aovs.end();
+  if (settings.occlusion && (is_shown || (lighting.HasSky() && !lighting.head_light))) {
+    SL_ASSIGN_OR_RETURN(AmbientOcclusion made, AmbientOcclusion::Create(frame, *settings.occlusion, threads));
+    occlusion = std::make_shared<const AmbientOcclusion>(std::move(made));
+  }
+  return Shader(std::move(frame), std::move(lighting), std::move(occlusion));
 }
 
 Shaded Shader::ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
@@ -23,12 +30,14 @@ Shaded Shader::ShadeFully(uint32_t triangle, const Barycentric& at, const Footpr
   const FramePrimitive& primitive = frame_->primitives[corners.primitive];
   if (primitive.material->unlit) {
     const V4d color = BaseColorAt(*frame_, primitive, corners, at, footprint);
-    return {.radiance = V3f(V3d(color.x, color.y, color.z))};
+    return {.radiance = V3f(V3d(color.x, color.y, color.z)), .openness = 1};
   }
   Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
+  const double openness = occlusion_ == nullptr ? 1 : occlusion_->At(triangle, at.b1, at.b2);
+  surface.occlusion *= openness;
   const V3d reflected =
       lighting_.head_light ? ReflectHeadLight(surface) : Reflect(frame_->view, lighting_, surface);
-  return {.radiance = V3f(reflected + surface.emission)};
+  return {.radiance = V3f(reflected + surface.emission), .openness = float(openness)};
 }
 
 Surface Shader::SurfaceOf(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {

@@ -10,6 +10,7 @@
 
 #include "common/job/render_settings.h"
 #include "common/math/spaces.h"
+#include "worker/engine/occlusion/ambient_occlusion.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/primitive_traits.h"
 #include "worker/engine/shading/barycentric.h"
@@ -24,12 +25,15 @@ namespace shutterline::engine {
 /// it does not matter who evaluates it, or when.
 class Shader {
  public:
+  /// Builds what lights and ambient occlusion need, with up to `threads` threads.
   static absl::StatusOr<Shader> Create(std::shared_ptr<const FrameScene> frame,
-                                       const RenderSettings& settings);
+                                       const RenderSettings& settings, int threads = 1);
 
-  /// `lighting` may refer to the frame.
-  Shader(std::shared_ptr<const FrameScene> frame, Lighting lighting)
-      : frame_(std::move(frame)), lighting_(std::move(lighting)) {}
+  /// `lighting` may refer to the frame. `occlusion` may be null: then nothing hides what comes from
+  /// everywhere.
+  Shader(std::shared_ptr<const FrameScene> frame, Lighting lighting,
+         std::shared_ptr<const AmbientOcclusion> occlusion = nullptr)
+      : frame_(std::move(frame)), lighting_(std::move(lighting)), occlusion_(std::move(occlusion)) {}
 
   /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter, as if
   /// it were opaque: layers are not premultiplied.
@@ -56,6 +60,9 @@ class Shader {
   /// By primitive of the frame.
   std::vector<PrimitiveTraits> Traits() const;
 
+  /// Whether shading a material takes long: where ambient occlusion is computed for it.
+  bool IsDear(const Material& material) const { return occlusion_ != nullptr && !material.unlit; }
+
   const FrameScene& frame() const { return *frame_; }
 
  private:
@@ -64,6 +71,7 @@ class Shader {
 
   std::shared_ptr<const FrameScene> frame_;
   Lighting lighting_;
+  std::shared_ptr<const AmbientOcclusion> occlusion_;
 };
 
 }  // namespace shutterline::engine

@@ -41,7 +41,7 @@ struct StochasticIntegrator::Workspace {
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> StochasticIntegrator::Create(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads) {
-  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings));
+  SL_ASSIGN_OR_RETURN(Shader shader, Shader::Create(frame_scene, settings, threads));
   SL_RETURN_IF_ERROR(shader.CheckOpaque("integrator stochastic"));
   if (!settings.shutter_curve.empty()) {
     return absl::UnimplementedError("integrator stochastic: it knows no shutter curve but box");
