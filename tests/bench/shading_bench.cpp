@@ -1,0 +1,157 @@
+// Micro-benchmarks of shading: points that the camera of the textured `chess` sees, in random order.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "tests/scenes/scene_generators.h"
+#include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/scene/gltf_import.h"
+#include "worker/engine/scene/memory_asset_source.h"
+#include "worker/engine/shading/footprint.h"
+#include "worker/engine/shading/shade.h"
+
+namespace shutterline::engine {
+namespace {
+
+constexpr double kMidShutter = 0.5;
+/// Pixels from one point to the next.
+constexpr int kStep = 8;
+
+template <typename T>
+T OrExit(absl::StatusOr<T> value) {
+  if (!value.ok()) {
+    std::fprintf(stderr, "kernel_bench: %s\n", std::string(value.status().message()).c_str());
+    std::exit(1);
+  }
+  return *std::move(value);
+}
+
+struct SeenPoint {
+  double depth = 0;
+  uint32_t triangle = 0;
+  Barycentric at;
+};
+
+/// Puts a triangle into a depth buffer of one point every kStep pixels.
+void Draw(const FrameScene& frame, uint32_t triangle, int columns, int rows, std::vector<SeenPoint>& points) {
+  const FrameTriangle& corners = frame.triangles[triangle];
+  RasterPoint p[3];
+  double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9;
+  for (int k = 0; k < 3; ++k) {
+    p[k] = frame.VertexAt(frame.primitives[corners.primitive], corners.vertices[size_t(k)], kMidShutter);
+    if (!(p[k].w > 0) || p[k].z > p[k].w) return;
+    low_x = std::min(low_x, p[k].x / p[k].w);
+    high_x = std::max(high_x, p[k].x / p[k].w);
+    low_y = std::min(low_y, p[k].y / p[k].w);
+    high_y = std::max(high_y, p[k].y / p[k].w);
+  }
+  const auto first = [](double pixel) { return std::max(int(std::ceil(pixel / kStep)), 0); };
+  const auto last = [](double pixel, int count) {
+    return std::min(int(std::floor(pixel / kStep)), count - 1);
+  };
+  if (high_x < 0 || high_y < 0) return;
+  for (int row = first(low_y); row <= last(high_y, rows); ++row) {
+    for (int column = first(low_x); column <= last(high_x, columns); ++column) {
+      // Homogeneous edge functions are proportional to the barycentric coordinates in space.
+      const double x = column * kStep, y = row * kStep;
+      double edge[3];
+      for (int k = 0; k < 3; ++k) {
+        const RasterPoint &a = p[(k + 1) % 3], &b = p[(k + 2) % 3];
+        edge[k] = x * (a.y * b.w - a.w * b.y) + y * (a.w * b.x - a.x * b.w) + (a.x * b.y - a.y * b.x);
+      }
+      const bool inside =
+          (edge[0] >= 0 && edge[1] >= 0 && edge[2] >= 0) || (edge[0] <= 0 && edge[1] <= 0 && edge[2] <= 0);
+      const double sum = edge[0] + edge[1] + edge[2];
+      if (!inside || sum == 0) continue;
+      const Barycentric at{edge[1] / sum, edge[2] / sum};
+      const RasterPoint seen = p[0] + (at.b1 * (p[1] - p[0]) + at.b2 * (p[2] - p[0]));
+      SeenPoint& point = points[size_t(row) * size_t(columns) + size_t(column)];
+      if (seen.z / seen.w > point.depth) point = {seen.z / seen.w, triangle, at};
+    }
+  }
+}
+
+struct Prepared {
+  std::unique_ptr<const Shader> shader;
+  std::vector<SeenPoint> points;
+  std::vector<Footprint> footprints;
+};
+
+const Prepared& Prepare() {
+  static const Prepared& prepared = *new Prepared([] {
+    RenderSettings settings;
+    scenes::SceneOptions options;
+    options.textured = true;
+    const auto glb = OrExit(scenes::GenerateGlb("chess", options));
+    const auto scene = OrExit(ImportGltf(MemoryAssetSource("chess.glb", {{"chess.glb", glb}})));
+    const auto frame = OrExit(BuildFrameScene(scene, 0, settings));
+    Prepared p;
+    p.shader = std::make_unique<Shader>(OrExit(Shader::Create(frame, settings)));
+    const int columns = frame->view.width / kStep, rows = frame->view.height / kStep;
+    p.points.resize(size_t(columns) * size_t(rows));
+    for (uint32_t i = 0; i < frame->triangles.size(); ++i) Draw(*frame, i, columns, rows, p.points);
+    std::erase_if(p.points, [](const SeenPoint& point) { return point.depth == 0; });
+    std::shuffle(p.points.begin(), p.points.end(), std::mt19937(1));
+    for (const SeenPoint& point : p.points) {
+      p.footprints.push_back(PixelFootprintAt(*frame, point.triangle, point.at, kMidShutter));
+    }
+    return p;
+  }());
+  return prepared;
+}
+
+/// Calls `shade(i)` for every point, over and over; times are those of one point.
+template <typename Shade>
+void ForPoints(benchmark::State& state, const Shade& shade) {
+  const size_t count = Prepare().points.size();
+  size_t i = 0;
+  for (auto _ : state) {
+    shade(i);
+    if (++i == count) i = 0;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+void ShadePoint(benchmark::State& state) {
+  const Prepared& p = Prepare();
+  ForPoints(state, [&](size_t i) {
+    benchmark::DoNotOptimize(p.shader->ShadeFully(p.points[i].triangle, p.points[i].at, p.footprints[i]));
+  });
+}
+BENCHMARK(ShadePoint);
+
+/// All of it but light.
+void SurfaceOfPoint(benchmark::State& state) {
+  const Prepared& p = Prepare();
+  ForPoints(state, [&](size_t i) {
+    benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, p.footprints[i]));
+  });
+}
+BENCHMARK(SurfaceOfPoint);
+
+/// The same without a footprint: one bilinear look into each texture.
+void SurfaceOfPointMagnified(benchmark::State& state) {
+  const Prepared& p = Prepare();
+  ForPoints(state, [&](size_t i) {
+    benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, {}));
+  });
+}
+BENCHMARK(SurfaceOfPointMagnified);
+
+void FootprintOfPoint(benchmark::State& state) {
+  const Prepared& p = Prepare();
+  ForPoints(state, [&](size_t i) {
+    benchmark::DoNotOptimize(
+        PixelFootprintAt(p.shader->frame(), p.points[i].triangle, p.points[i].at, kMidShutter));
+  });
+}
+BENCHMARK(FootprintOfPoint);
+
+}  // namespace
+}  // namespace shutterline::engine
