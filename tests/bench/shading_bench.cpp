@@ -1,4 +1,5 @@
-// Micro-benchmarks of shading: points that the camera of the textured `chess` sees, in random order.
+// Micro-benchmarks of shading: pixels of tiles of the textured `chess`, in order, as a frame visits them, and
+// shuffled, so that little is in a cache.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "common/job/tile.h"
 #include "tests/scenes/scene_generators.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
@@ -20,8 +22,8 @@ namespace shutterline::engine {
 namespace {
 
 constexpr double kMidShutter = 0.5;
-/// Pixels from one point to the next.
-constexpr int kStep = 8;
+/// One tile in so many is looked at.
+constexpr size_t kTiles = 11;
 
 template <typename T>
 T OrExit(absl::StatusOr<T> value) {
@@ -38,7 +40,7 @@ struct SeenPoint {
   Barycentric at;
 };
 
-/// Puts a triangle into a depth buffer of one point every kStep pixels.
+/// Puts a triangle into a depth buffer of the pixels' corners.
 void Draw(const FrameScene& frame, uint32_t triangle, int columns, int rows, std::vector<SeenPoint>& points) {
   const FrameTriangle& corners = frame.triangles[triangle];
   RasterPoint p[3];
@@ -51,15 +53,13 @@ void Draw(const FrameScene& frame, uint32_t triangle, int columns, int rows, std
     low_y = std::min(low_y, p[k].y / p[k].w);
     high_y = std::max(high_y, p[k].y / p[k].w);
   }
-  const auto first = [](double pixel) { return std::max(int(std::ceil(pixel / kStep)), 0); };
-  const auto last = [](double pixel, int count) {
-    return std::min(int(std::floor(pixel / kStep)), count - 1);
-  };
+  const auto first = [](double pixel) { return std::max(int(std::ceil(pixel)), 0); };
+  const auto last = [](double pixel, int count) { return std::min(int(std::floor(pixel)), count - 1); };
   if (high_x < 0 || high_y < 0) return;
   for (int row = first(low_y); row <= last(high_y, rows); ++row) {
     for (int column = first(low_x); column <= last(high_x, columns); ++column) {
       // Homogeneous edge functions are proportional to the barycentric coordinates in space.
-      const double x = column * kStep, y = row * kStep;
+      const double x = column, y = row;
       double edge[3];
       for (int k = 0; k < 3; ++k) {
         const RasterPoint &a = p[(k + 1) % 3], &b = p[(k + 2) % 3];
@@ -83,8 +83,11 @@ struct Prepared {
   std::vector<Footprint> footprints;
 };
 
-const Prepared& Prepare() {
-  static const Prepared& prepared = *new Prepared([] {
+const Prepared& Prepare(int64_t shuffled) {
+  static std::unique_ptr<const Prepared> prepared[2];
+  auto& slot = prepared[size_t(shuffled)];
+  if (slot) return *slot;
+  slot = std::make_unique<const Prepared>([&] {
     RenderSettings settings;
     scenes::SceneOptions options;
     options.textured = true;
@@ -93,65 +96,76 @@ const Prepared& Prepare() {
     const auto frame = OrExit(BuildFrameScene(scene, 0, settings));
     Prepared p;
     p.shader = std::make_unique<Shader>(OrExit(Shader::Create(frame, settings)));
-    const int columns = frame->view.width / kStep, rows = frame->view.height / kStep;
-    p.points.resize(size_t(columns) * size_t(rows));
-    for (uint32_t i = 0; i < frame->triangles.size(); ++i) Draw(*frame, i, columns, rows, p.points);
-    std::erase_if(p.points, [](const SeenPoint& point) { return point.depth == 0; });
-    std::shuffle(p.points.begin(), p.points.end(), std::mt19937(1));
+    const int columns = frame->view.width, rows = frame->view.height;
+    std::vector<SeenPoint> picture(size_t(columns) * size_t(rows));
+    for (uint32_t i = 0; i < frame->triangles.size(); ++i) Draw(*frame, i, columns, rows, picture);
+    size_t tile = 0;
+    for (int top = 0; top + kTileSize <= rows; top += kTileSize) {
+      for (int left = 0; left + kTileSize <= columns; left += kTileSize) {
+        if (tile++ % kTiles != 0) continue;
+        for (int y = top; y < top + kTileSize; ++y) {
+          for (int x = left; x < left + kTileSize; ++x) {
+            const SeenPoint& point = picture[size_t(y) * size_t(columns) + size_t(x)];
+            if (point.depth > 0) p.points.push_back(point);
+          }
+        }
+      }
+    }
+    if (shuffled) std::shuffle(p.points.begin(), p.points.end(), std::mt19937(1));
     for (const SeenPoint& point : p.points) {
       p.footprints.push_back(PixelFootprintAt(*frame, point.triangle, point.at, kMidShutter));
     }
     return p;
   }());
-  return prepared;
+  return *slot;
 }
 
 /// Calls `shade(i)` for every point, over and over; times are those of one point.
 template <typename Shade>
 void ForPoints(benchmark::State& state, const Shade& shade) {
-  const size_t count = Prepare().points.size();
+  const size_t count = Prepare(state.range(0)).points.size();
   size_t i = 0;
   for (auto _ : state) {
     shade(i);
     if (++i == count) i = 0;
   }
-  state.SetItemsProcessed(state.iterations());
+  state.SetLabel(state.range(0) == 0 ? "in order" : "shuffled");
 }
 
 void ShadePoint(benchmark::State& state) {
-  const Prepared& p = Prepare();
+  const Prepared& p = Prepare(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->ShadeFully(p.points[i].triangle, p.points[i].at, p.footprints[i]));
   });
 }
-BENCHMARK(ShadePoint);
+BENCHMARK(ShadePoint)->Arg(0)->Arg(1);
 
 /// All of it but light.
 void SurfaceOfPoint(benchmark::State& state) {
-  const Prepared& p = Prepare();
+  const Prepared& p = Prepare(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, p.footprints[i]));
   });
 }
-BENCHMARK(SurfaceOfPoint);
+BENCHMARK(SurfaceOfPoint)->Arg(0)->Arg(1);
 
 /// The same without a footprint: one bilinear look into each texture.
 void SurfaceOfPointMagnified(benchmark::State& state) {
-  const Prepared& p = Prepare();
+  const Prepared& p = Prepare(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, {}));
   });
 }
-BENCHMARK(SurfaceOfPointMagnified);
+BENCHMARK(SurfaceOfPointMagnified)->Arg(0)->Arg(1);
 
 void FootprintOfPoint(benchmark::State& state) {
-  const Prepared& p = Prepare();
+  const Prepared& p = Prepare(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(
         PixelFootprintAt(p.shader->frame(), p.points[i].triangle, p.points[i].at, kMidShutter));
   });
 }
-BENCHMARK(FootprintOfPoint);
+BENCHMARK(FootprintOfPoint)->Arg(0)->Arg(1);
 
 }  // namespace
 }  // namespace shutterline::engine

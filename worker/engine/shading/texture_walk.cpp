@@ -25,7 +25,7 @@ class Side {
  public:
   Side(int size, WrapMode mode)
       : size_(size),
-        repeats_(mode == WrapMode::kRepeat && std::has_single_bit(unsigned(size))),
+        repeats_(mode == WrapMode::kRepeat && (size & (size - 1)) == 0),
         mode_(mode) {}
 
   /// Where u, which has been reduced, lies in texels.
