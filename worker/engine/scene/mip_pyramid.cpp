@@ -160,6 +160,18 @@ V4f MipPyramid::Sum(int level, std::span<const TexelQuad> quads) const {
   });
 }
 
+void MipPyramid::Prefetch(int level, std::span<const TexelQuad> quads) const {
+  const bool bytes = level == 0 && image_.rgba16.empty();
+  const void* texels = bytes ? static_cast<const void*>(image_.rgba.data())
+                             : (level == 0 ? image_.rgba16 : levels_[size_t(level) - 1].rgba).data();
+  const size_t size = bytes ? 4 : 8;
+  // What lies to the right is mostly in the same line of the cache.
+  for (const TexelQuad& quad : quads) {
+    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.top_left);
+    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.bottom_left);
+  }
+}
+
 V4f MipPyramid::Texel(int level, int x, int y) const {
   const size_t number = size_t(y) * size_t(Width(level)) + size_t(x);
   return WithTexels(level, [number](const auto& texel, float scale) { return ToV4f(texel(number) / scale); });

@@ -124,6 +124,10 @@ Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, cons
                   uint32_t index, const Barycentric& at, const Footprint& footprint) {
   Point point(frame, primitive, triangle, at, footprint);
   const Material& material = *primitive.material;
+  // What nearly all textured materials have is fetched while the surface is placed.
+  point.textures.Prefetch(material.base_color_texture, TextureEncoding::kSrgb);
+  point.textures.Prefetch(material.metallic_roughness_texture, TextureEncoding::kLinear);
+  if (primitive.has_tangents) point.textures.Prefetch(material.normal_texture, TextureEncoding::kLinear);
   Surface surface;
   PlaceInSpace(point, material, index, surface);
   surface.base_color = Rgb(BaseColor(point));

@@ -44,16 +44,26 @@ void TextureLookup::Place(const TextureRef& reference) {
   duv_dy_ = footprint_.db1_dy * along1 + footprint_.db2_dy * along2;
 }
 
-V4d TextureLookup::Color(const TextureRef& reference, TextureEncoding encoding) {
+const MipPyramid* TextureLookup::Walk(const TextureRef& reference, TextureEncoding encoding) {
   const MipPyramid* pyramid = PyramidOf(frame_, source_, reference, encoding);
-  if (pyramid == nullptr) return V4d(1);
+  if (pyramid == nullptr) return nullptr;
   Place(reference);
   const WalkedImage image(*pyramid, frame_.scene->textures[size_t(reference.texture)]);
   if (image != walked_) {
     walk_.Make(image, uv_, duv_dx_, duv_dy_, footprint_.rough ? 1 : kMostProbes);
     walked_ = image;
   }
-  return V4d(walk_.Sample(*pyramid));
+  return pyramid;
+}
+
+V4d TextureLookup::Color(const TextureRef& reference, TextureEncoding encoding) {
+  const MipPyramid* pyramid = Walk(reference, encoding);
+  return pyramid == nullptr ? V4d(1) : V4d(walk_.Sample(*pyramid));
+}
+
+void TextureLookup::Prefetch(const TextureRef& reference, TextureEncoding encoding) {
+  const MipPyramid* pyramid = Walk(reference, encoding);
+  if (pyramid != nullptr) walk_.Prefetch(*pyramid);
 }
 
 }  // namespace shutterline::engine

@@ -22,7 +22,13 @@ class TextureLookup {
   /// Linear colour and alpha; white where the texture is not used.
   V4d Color(const TextureRef& reference, TextureEncoding encoding);
 
+  /// Finds out where to look and has memory send what is there: textures are larger than caches, and there is
+  /// other work to be done until it comes.
+  void Prefetch(const TextureRef& reference, TextureEncoding encoding);
+
  private:
+  /// Makes walk_ that of the texture; its pyramid, null where it is not used.
+  const MipPyramid* Walk(const TextureRef& reference, TextureEncoding encoding);
   /// Sets uv_ and its derivatives.
   void Place(const TextureRef& reference);
 

@@ -24,9 +24,7 @@ double Reduced(double u) {
 class Side {
  public:
   Side(int size, WrapMode mode)
-      : size_(size),
-        repeats_(mode == WrapMode::kRepeat && (size & (size - 1)) == 0),
-        mode_(mode) {}
+      : size_(size), repeats_(mode == WrapMode::kRepeat && (size & (size - 1)) == 0), mode_(mode) {}
 
   /// Where u, which has been reduced, lies in texels.
   double Place(double u) const { return u * size_; }
@@ -141,6 +139,12 @@ void TextureWalk::Make(const WalkedImage& image, V2d uv, const V2d& duv_dx, cons
   };
   look(level_, fine_);
   if (between_ > 0) look(level_ + 1, coarse_);
+}
+
+void TextureWalk::Prefetch(const MipPyramid& pyramid) const {
+  const auto looks = size_t(probes_);
+  pyramid.Prefetch(level_, {fine_.data(), looks});
+  if (between_ > 0) pyramid.Prefetch(level_ + 1, {coarse_.data(), looks});
 }
 
 V4f TextureWalk::Sample(const MipPyramid& pyramid) const {

@@ -42,6 +42,8 @@ class TextureWalk {
 
   /// What is seen of a pyramid of that image.
   V4f Sample(const MipPyramid& pyramid) const;
+  /// Has memory send what Sample will want.
+  void Prefetch(const MipPyramid& pyramid) const;
 
  private:
   void LookOnce(const WalkedImage& image, const V2d& uv);
