@@ -85,7 +85,10 @@ void PlaceInSpace(Point& point, const Material& material, uint32_t index, Surfac
   }
   surface.position = position;
   surface.to_camera = point.frame.view.perspective ? UnitOrZero(-position) : V3d(0, 0, 1);
-  V3d face = UnitOrZero(UnitOrZero(corners[1] - corners[0]).cross(UnitOrZero(corners[2] - corners[0])));
+  const V3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
+  V3d face = UnitOrZero(edge1.cross(edge2));
+  // Products of edges that are tiny or huge are nothing.
+  if (face == V3d(0)) face = UnitOrZero(UnitOrZero(edge1).cross(UnitOrZero(edge2)));
   normal = UnitOrZero(normal);
   if (normal == V3d(0)) normal = face;
   if (face == V3d(0)) face = normal;

@@ -24,10 +24,13 @@ double Reduced(double u) {
 class Side {
  public:
   Side(int size, WrapMode mode)
-      : size_(size), repeats_(mode == WrapMode::kRepeat && (size & (size - 1)) == 0), mode_(mode) {}
+      : size_(size),
+        scale_(size),
+        repeats_(mode == WrapMode::kRepeat && (size & (size - 1)) == 0),
+        mode_(mode) {}
 
   /// Where u, which has been reduced, lies in texels.
-  double Place(double u) const { return u * size_; }
+  double Place(double u) const { return u * scale_; }
 
   uint32_t Wrap(int64_t index) const {
     if (repeats_) return uint32_t(index) & uint32_t(size_ - 1);
@@ -37,6 +40,7 @@ class Side {
 
  private:
   int size_;
+  double scale_;  ///< The same, without a conversion a look.
   bool repeats_;  ///< And is a power of two.
   WrapMode mode_;
 };
