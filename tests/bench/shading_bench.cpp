@@ -167,5 +167,14 @@ void FootprintOfPoint(benchmark::State& state) {
 }
 BENCHMARK(FootprintOfPoint)->Arg(0)->Arg(1);
 
+/// Of the scene's largest image.
+void MakePyramid(benchmark::State& state) {
+  const std::vector<TextureImage>& images = Prepare(0).shader->frame().scene->images;
+  const auto largest = std::max_element(images.begin(), images.end(),
+                                        [](const auto& a, const auto& b) { return a.width < b.width; });
+  for (auto _ : state) benchmark::DoNotOptimize(MipPyramid(*largest, TextureEncoding::kSrgb));
+}
+BENCHMARK(MakePyramid)->UseRealTime();
+
 }  // namespace
 }  // namespace shutterline::engine
