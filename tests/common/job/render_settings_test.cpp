@@ -63,9 +63,7 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        {1, 1024},
        {0, -1, 1025}},
       {"occlusion.radius",
-       [](auto& s, double v) {
-         s.occlusion.emplace().radius = v;
-       },
+       [](auto& s, double v) { s.occlusion.emplace().radius = v; },
        {1e-12, 1, 1e12},
        {0, -1, 1.1e12, kNaN, kInfinity}},
       {"shading_rate", [](auto& s, double v) { s.shading_rate = v; }, {1.0 / 64, 1, 16}, {0, -1, 17, kNaN}},

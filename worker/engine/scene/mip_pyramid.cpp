@@ -1,10 +1,14 @@
 #include "worker/engine/scene/mip_pyramid.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "worker/engine/scene/float4.h"
 #include "worker/engine/scene/scene.h"
 
 namespace shutterline::engine {
@@ -14,13 +18,22 @@ float LinearFromSrgb(double s) {
   return float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
 
-std::array<float, 256> MakeSrgbTable() {
-  std::array<float, 256> table{};
-  for (int code = 0; code < 256; ++code) table[size_t(code)] = LinearFromSrgb(code / 255.0);
-  return table;
-}
+/// What the bytes of a texel mean: of colour, then of alpha.
+struct ByteTable {
+  std::array<float, 256> color, alpha;
 
-const std::array<float, 256> kSrgbTable = MakeSrgbTable();
+  explicit ByteTable(TextureEncoding encoding) {
+    for (int code = 0; code < 256; ++code) {
+      alpha[size_t(code)] = float(code) / 255.f;
+      color[size_t(code)] =
+          encoding == TextureEncoding::kSrgb ? LinearFromSrgb(code / 255.0) : alpha[size_t(code)];
+    }
+  }
+};
+
+/// By encoding.
+const std::array<ByteTable, kTextureEncodings> kByteTables = {ByteTable(TextureEncoding::kSrgb),
+                                                              ByteTable(TextureEncoding::kLinear)};
 
 /// 256 KiB, made when the first picture of 16 bits is read.
 const std::vector<float>& Srgb16Table() {
@@ -30,6 +43,15 @@ const std::vector<float>& Srgb16Table() {
     return made;
   }());
   return table;
+}
+
+Float4 Decoded(const ByteTable& table, const uint8_t* codes) {
+  return Float4{table.color[codes[0]], table.color[codes[1]], table.color[codes[2]], table.alpha[codes[3]]};
+}
+
+Float4 DecodedSrgb16(const uint16_t* codes) {
+  return Float4{LinearFromSrgb16(codes[0]), LinearFromSrgb16(codes[1]), LinearFromSrgb16(codes[2]),
+                float(codes[3]) / 65535.f};
 }
 
 /// Which texels of the larger level one texel covers along an axis, and how much of each: at most three.
@@ -54,41 +76,68 @@ Cover CoverOf(int i, int small, int large) {
 }  // namespace
 
 float LinearFromSrgb8(uint8_t code) {
-  return kSrgbTable[code];
+  return kByteTables[size_t(TextureEncoding::kSrgb)].color[code];
 }
 
 float LinearFromSrgb16(uint16_t code) {
   return Srgb16Table()[code];
 }
 
+template <typename Use>
+auto MipPyramid::WithTexels(int level, const Use& use) const {
+  // What is decoded by a table has its scale in there.
+  if (level == 0 && image_.rgba16.empty()) {
+    const ByteTable& table = kByteTables[size_t(encoding_)];
+    const uint8_t* codes = image_.rgba.data();
+    return use([&table, codes](size_t number) { return Decoded(table, codes + 4 * number); }, 1.f);
+  }
+  if (level == 0 && encoding_ == TextureEncoding::kSrgb) {
+    const uint16_t* codes = image_.rgba16.data();
+    return use([codes](size_t number) { return DecodedSrgb16(codes + 4 * number); }, 1.f);
+  }
+  const uint16_t* codes = level == 0 ? image_.rgba16.data() : levels_[size_t(level) - 1].rgba.data();
+  return use([codes](size_t number) { return Float4Of(codes + 4 * number); }, 65535.f);
+}
+
 MipPyramid::MipPyramid(const TextureImage& image, TextureEncoding encoding)
     : image_(image), encoding_(encoding) {
-  for (int level = 0; Width(level) > 1 || Height(level) > 1; ++level) {
-    Level next;
-    next.width = std::max(1, Width(level) / 2);
-    next.height = std::max(1, Height(level) / 2);
-    next.rgba.resize(size_t(next.width) * size_t(next.height) * 4);
-    std::vector<Cover> columns_of(size_t(next.width));
-    for (int x = 0; x < next.width; ++x) columns_of[size_t(x)] = CoverOf(x, next.width, Width(level));
-    for (int y = 0; y < next.height; ++y) {
-      const Cover rows = CoverOf(y, next.height, Height(level));
-      for (int x = 0; x < next.width; ++x) {
-        const Cover& columns = columns_of[size_t(x)];
-        V4f sum(0);
+  for (int level = 0; Width(level) > 1 || Height(level) > 1; ++level) levels_.push_back(Half(level));
+}
+
+MipPyramid::Level MipPyramid::Half(int level) const {
+  Level half;
+  half.width = std::max(1, Width(level) / 2);
+  half.height = std::max(1, Height(level) / 2);
+  half.rgba.resize(size_t(half.width) * size_t(half.height) * 4);
+  std::vector<Cover> columns(size_t(half.width));
+  for (int x = 0; x < half.width; ++x) columns[size_t(x)] = CoverOf(x, half.width, Width(level));
+  const auto stride = size_t(Width(level));
+  WithTexels(level, [&](const auto& texel, float scale) {
+    const auto make_row = [&](int y) {
+      const Cover rows = CoverOf(y, half.height, Height(level));
+      uint16_t* codes = &half.rgba[size_t(y) * size_t(half.width) * 4];
+      for (const Cover& across : columns) {
+        Float4 sum{};
         for (int j = 0; j < rows.count; ++j) {
-          for (int i = 0; i < columns.count; ++i) {
-            sum += rows.weights[size_t(j)] * columns.weights[size_t(i)] *
-                   Texel(level, columns.first + i, rows.first + j);
+          const size_t row = size_t(rows.first + j) * stride + size_t(across.first);
+          for (int i = 0; i < across.count; ++i) {
+            const float weight = rows.weights[size_t(j)] * across.weights[size_t(i)];
+            sum += weight * (texel(row + size_t(i)) / scale);
           }
         }
-        uint16_t* texel = &next.rgba[(size_t(y) * size_t(next.width) + size_t(x)) * 4];
+        // Round in double, where adding a half is exact.
         for (int c = 0; c < 4; ++c) {
-          texel[c] = uint16_t(std::lround(std::clamp(sum[c], 0.f, 1.f) * 65535.f));
+          *codes++ = uint16_t(double(std::clamp(sum[c], 0.f, 1.f) * 65535.f) + 0.5);
         }
       }
-    }
-    levels_.push_back(std::move(next));
-  }
+    };
+    constexpr int kTexelsATask = 4096;
+    tbb::parallel_for(tbb::blocked_range<int>(0, half.height, size_t(1 + kTexelsATask / half.width)),
+                      [&](const tbb::blocked_range<int>& range) {
+                        for (int y = range.begin(); y < range.end(); ++y) make_row(y);
+                      });
+  });
+  return half;
 }
 
 int MipPyramid::Width(int level) const {
@@ -99,33 +148,33 @@ int MipPyramid::Height(int level) const {
   return level == 0 ? image_.height : levels_[size_t(level) - 1].height;
 }
 
-std::array<V4f, 4> MipPyramid::Texels(int level, int left, int right, int top, int bottom) const {
-  if (level == 0) {
-    return {Texel(0, left, top), Texel(0, right, top), Texel(0, left, bottom), Texel(0, right, bottom)};
+V4f MipPyramid::Sum(int level, std::span<const TexelQuad> quads) const {
+  return WithTexels(level, [quads](const auto& texel, float scale) {
+    Float4 sum{};
+    for (const TexelQuad& quad : quads) {
+      const Float4 top = Mix(texel(quad.top_left), texel(quad.top_right), quad.right);
+      const Float4 bottom = Mix(texel(quad.bottom_left), texel(quad.bottom_right), quad.right);
+      sum += Mix(top, bottom, quad.down);
+    }
+    return ToV4f(sum / scale);
+  });
+}
+
+void MipPyramid::Prefetch(int level, std::span<const TexelQuad> quads) const {
+  const bool bytes = level == 0 && image_.rgba16.empty();
+  const void* texels = bytes ? static_cast<const void*>(image_.rgba.data())
+                             : (level == 0 ? image_.rgba16 : levels_[size_t(level) - 1].rgba).data();
+  const size_t size = bytes ? 4 : 8;
+  // What lies to the right is mostly in the same line of the cache.
+  for (const TexelQuad& quad : quads) {
+    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.top_left);
+    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.bottom_left);
   }
-  const Level& l = levels_[size_t(level) - 1];
-  const auto at = [&](int x, int y) {
-    const uint16_t* t = &l.rgba[(size_t(y) * size_t(l.width) + size_t(x)) * 4];
-    return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
-  };
-  return {at(left, top), at(right, top), at(left, bottom), at(right, bottom)};
 }
 
 V4f MipPyramid::Texel(int level, int x, int y) const {
-  if (level > 0) {
-    const Level& l = levels_[size_t(level) - 1];
-    const uint16_t* t = &l.rgba[(size_t(y) * size_t(l.width) + size_t(x)) * 4];
-    return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
-  }
-  const size_t at = (size_t(y) * size_t(image_.width) + size_t(x)) * 4;
-  if (!image_.rgba16.empty()) {
-    const uint16_t* t = &image_.rgba16[at];
-    if (encoding_ == TextureEncoding::kLinear) return V4f(t[0], t[1], t[2], t[3]) / 65535.f;
-    return {LinearFromSrgb16(t[0]), LinearFromSrgb16(t[1]), LinearFromSrgb16(t[2]), t[3] / 65535.f};
-  }
-  const uint8_t* t = &image_.rgba[at];
-  if (encoding_ == TextureEncoding::kLinear) return V4f(t[0], t[1], t[2], t[3]) / 255.f;
-  return {kSrgbTable[t[0]], kSrgbTable[t[1]], kSrgbTable[t[2]], t[3] / 255.f};
+  const size_t number = size_t(y) * size_t(Width(level)) + size_t(x);
+  return WithTexels(level, [number](const auto& texel, float scale) { return ToV4f(texel(number) / scale); });
 }
 
 MipPyramidCache& MipPyramidCache::operator=(const MipPyramidCache& other) {

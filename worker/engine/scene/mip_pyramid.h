@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "common/math/spaces.h"
+#include "worker/engine/scene/texel_quad.h"
 
 namespace shutterline::engine {
 
@@ -35,14 +37,21 @@ class MipPyramid {
   int Height(int level) const;
   /// Linear colour and alpha of a texel, rows from the top.
   V4f Texel(int level, int x, int y) const;
-  /// Four at once: top left and right, bottom left and right.
-  std::array<V4f, 4> Texels(int level, int left, int right, int top, int bottom) const;
+  /// The sum of bilinear looks at a level.
+  V4f Sum(int level, std::span<const TexelQuad> quads) const;
+  /// Has memory send what Sum will want. Changes nothing but time.
+  void Prefetch(int level, std::span<const TexelQuad> quads) const;
 
  private:
   struct Level {
     int width = 0, height = 0;
     std::vector<uint16_t> rgba;
   };
+  /// Calls `use(texel, scale)`: texel(number) is a texel of the level, times scale.
+  template <typename Use>
+  auto WithTexels(int level, const Use& use) const;
+  Level Half(int level) const;
+
   const TextureImage& image_;
   const TextureEncoding encoding_;
   std::vector<Level> levels_;  ///< From level 1 on.

@@ -9,6 +9,7 @@
 #include "worker/engine/shading/head_light.h"
 #include "worker/engine/shading/reflect.h"
 #include "worker/engine/shading/surface.h"
+#include "worker/engine/shading/texture_lookup.h"
 
 namespace shutterline::engine {
 

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 
 #include "common/math/unit_vector.h"
 #include "worker/engine/shading/ggx.h"
 #include "worker/engine/shading/half_vectors.h"
+#include "worker/engine/shading/quick_angle.h"
 
 namespace shutterline::engine {
 namespace {
@@ -46,7 +48,7 @@ SkyMap::Level SkyMap::Level::OfSize(int width, double roughness) {
   level.width = width;
   level.height = width / 2;
   level.roughness = roughness;
-  level.texels.assign(size_t(level.width) * size_t(level.height), V3f(0));
+  level.texels.assign(size_t(level.width) * size_t(level.height) + 1, V3f(0));
   return level;
 }
 
@@ -58,20 +60,31 @@ V3d SkyMap::Level::DirectionOf(int x, int y) const {
 }
 
 V2d SkyMap::Level::AnglesOf(const V3d& direction) {
-  const double longitude = std::atan2(direction.x, -direction.z) / (2 * M_PI);
-  return {longitude < 0 ? longitude + 1 : longitude, std::acos(std::clamp(direction.y, -1.0, 1.0)) / M_PI};
+  const double longitude = QuickAngle(direction.x, -direction.z) / (2 * M_PI);
+  const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+  return {longitude < 0 ? longitude + 1 : longitude, QuickAngle(level, direction.y) / M_PI};
 }
 
 V3d SkyMap::Level::At(const V2d& angles) const {
   // Both are at least -1/2: what is cut off is what lies above the integer.
   const double x = angles.x * width + (width - 0.5), y = angles.y * height + 0.5;
   const int column = int(x), row = int(y);
-  const double fx = x - column, fy = y - row;
-  const int x0 = column % width, x1 = (column + 1) % width;
+  const auto fx = float(x - column), fy = float(y - row);
+  int x0 = column;
+  while (x0 >= width) x0 -= width;  // Once or twice: no division is as quick.
+  const int x1 = x0 + 1 < width ? x0 + 1 : 0;
   const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
-  const V3d upper = V3d(At(x0, y0)) + fx * (V3d(At(x1, y0)) - V3d(At(x0, y0)));
-  const V3d lower = V3d(At(x0, y1)) + fx * (V3d(At(x1, y1)) - V3d(At(x0, y1)));
-  return upper + fy * (lower - upper);
+  const Float4 upper = Mix(Padded(x0, y0), Padded(x1, y0), fx);
+  const Float4 lower = Mix(Padded(x0, y1), Padded(x1, y1), fx);
+  const Float4 mixed = Mix(upper, lower, fy);
+  return {mixed[0], mixed[1], mixed[2]};
+}
+
+Float4 SkyMap::Level::Padded(int x, int y) const {
+  Float4 texel;
+  std::memcpy(&texel, reinterpret_cast<const char*>(texels.data()) + sizeof(V3f) * IndexOf(x, y),
+              sizeof(texel));
+  return texel;
 }
 
 std::shared_ptr<const SkyMap> SkyMap::Uniform(const V3d& radiance) {
@@ -85,7 +98,7 @@ std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) 
   Level sharp = Level::OfSize(std::max(width, 8), 0);
   tbb::parallel_for(0, sharp.height, [&](int y) {
     for (int x = 0; x < sharp.width; ++x) {
-      sharp.texels[size_t(y) * size_t(sharp.width) + size_t(x)] = V3f(radiance(sharp.DirectionOf(x, y)));
+      sharp.texels[sharp.IndexOf(x, y)] = V3f(radiance(sharp.DirectionOf(x, y)));
     }
   });
   sky->ProjectToHarmonics(sharp);
@@ -110,7 +123,7 @@ std::shared_ptr<const SkyMap> SkyMap::Of(const std::shared_ptr<const Environment
   const std::lock_guard lock(mutex);
   if (last.lock() == environment && sky_of_last != nullptr) return sky_of_last;
   Level picture = Level::OfSize(environment->width, 0);
-  picture.texels = environment->texels;
+  std::copy(environment->texels.begin(), environment->texels.end(), picture.texels.begin());
   // As many texels as a power of two, at most two of the picture's in a row for one: sampling takes their
   // mean.
   constexpr int kWidest = 4096;
@@ -138,9 +151,8 @@ SkyMap::Level SkyMap::Halved(const Level& fine) {
   Level half = Level::OfSize(fine.width / 2, 0);
   for (int y = 0; y < half.height; ++y) {
     for (int x = 0; x < half.width; ++x) {
-      half.texels[size_t(y) * size_t(half.width) + size_t(x)] =
-          0.25f * (fine.At(2 * x, 2 * y) + fine.At(2 * x + 1, 2 * y) + fine.At(2 * x, 2 * y + 1) +
-                   fine.At(2 * x + 1, 2 * y + 1));
+      half.texels[half.IndexOf(x, y)] = 0.25f * (fine.At(2 * x, 2 * y) + fine.At(2 * x + 1, 2 * y) +
+                                                 fine.At(2 * x, 2 * y + 1) + fine.At(2 * x + 1, 2 * y + 1));
     }
   }
   return half;
@@ -185,7 +197,7 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
         const V2d at(angles[i].x + turn, angles[i].y);
         sum += samples[i].weight * sources[samples[i].source].At(at);
       }
-      level.texels[size_t(y) * size_t(level.width) + size_t(x)] = V3f(sum / total);
+      level.texels[level.IndexOf(x, y)] = V3f(sum / total);
     }
   });
   return level;

@@ -7,6 +7,7 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/scene/environment.h"
+#include "worker/engine/scene/float4.h"
 
 namespace shutterline::engine {
 
@@ -44,9 +45,12 @@ class SkyMap {
 
     int width = 0, height = 0;
     double roughness = 0;
-    std::vector<V3f> texels;
+    std::vector<V3f> texels;  ///< And one more, so that each can be read as four floats.
 
-    const V3f& At(int x, int y) const { return texels[size_t(y) * size_t(width) + size_t(x)]; }
+    size_t IndexOf(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
+    const V3f& At(int x, int y) const { return texels[IndexOf(x, y)]; }
+    /// With a fourth number that means nothing.
+    Float4 Padded(int x, int y) const;
     V3d Sample(const V3d& direction) const { return At(AnglesOf(direction)); }
     V3d At(const V2d& angles) const;
     static Level OfSize(int width, double roughness);

@@ -5,59 +5,46 @@
 
 #include "common/math/unit_vector.h"
 #include "worker/engine/scene/material_textures.h"
-#include "worker/engine/shading/texture_sampler.h"
-#include "worker/engine/shading/texture_transform.h"
+#include "worker/engine/shading/texture_lookup.h"
 
 namespace shutterline::engine {
 namespace {
 
 /// A point of a triangle, with what interpolation needs.
 struct Point {
+  Point(const FrameScene& of_frame, const FramePrimitive& of_primitive, const FrameTriangle& of_triangle,
+        const Barycentric& at, const Footprint& footprint)
+      : frame(of_frame),
+        primitive(of_primitive),
+        triangle(of_triangle),
+        weights{1 - at.b1 - at.b2, at.b1, at.b2},
+        textures(frame, *primitive.source, local, weights, footprint) {
+    for (size_t k = 0; k < 3; ++k) local[k] = triangle.vertices[k] - primitive.first_vertex;
+  }
+  Point(const Point&) = delete;  // `textures` refers to its neighbours.
+
   const FrameScene& frame;
   const FramePrimitive& primitive;
   const FrameTriangle& triangle;
   std::array<double, 3> weights;  ///< Barycentric, of the triangle's three corners.
-  const Footprint& footprint;
-
-  size_t Local(size_t corner) const { return triangle.vertices[corner] - primitive.first_vertex; }
+  std::array<size_t, 3> local;    ///< The corners' numbers in the mesh.
+  TextureLookup textures;
 };
-
-Point PointOf(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
-              const Barycentric& at, const Footprint& footprint) {
-  return {frame, primitive, triangle, {1 - at.b1 - at.b2, at.b1, at.b2}, footprint};
-}
 
 V4d VertexColor(const Point& point) {
   const std::vector<V4f>& colors = point.primitive.source->colors;
   if (colors.empty()) return V4d(1);
   if (point.primitive.uniform_colors) return V4d(colors[0]);
   // In this form, equal colours come out exactly.
-  const V4d first(colors[point.Local(0)]);
-  return first + point.weights[1] * (V4d(colors[point.Local(1)]) - first) +
-         point.weights[2] * (V4d(colors[point.Local(2)]) - first);
+  const V4d first(colors[point.local[0]]);
+  return first + point.weights[1] * (V4d(colors[point.local[1]]) - first) +
+         point.weights[2] * (V4d(colors[point.local[2]]) - first);
 }
 
-/// Texture colour; white where the texture is not used.
-V4d TextureAt(const Point& point, const TextureRef& reference, TextureEncoding encoding) {
-  const MeshPrimitive& source = *point.primitive.source;
-  if (!IsUsed(point.frame, source, reference, encoding)) return V4d(1);
-  const std::vector<V2f>& coordinates = source.texcoords[size_t(reference.texcoord)];
-  const V2d uv0(coordinates[point.Local(0)]);
-  V2d along1 = V2d(coordinates[point.Local(1)]) - uv0;
-  V2d along2 = V2d(coordinates[point.Local(2)]) - uv0;
-  V2d uv = uv0 + point.weights[1] * along1 + point.weights[2] * along2;
-  const TextureTransform& transform = reference.transform;
-  if (!transform.IsIdentity()) {
-    const TurnAndScale turned(transform);
-    uv = transform.offset + turned(uv);
-    along1 = turned(along1);
-    along2 = turned(along2);
-  }
-  const Footprint& f = point.footprint;
-  const Texture& texture = point.frame.scene->textures[size_t(reference.texture)];
-  return V4d(SampleTexture(*point.frame.Pyramid(texture.image, encoding), texture, uv,
-                           f.db1_dx * along1 + f.db2_dx * along2, f.db1_dy * along1 + f.db2_dy * along2,
-                           f.rough ? 1 : kMostProbes));
+V4d BaseColor(Point& point) {
+  const Material& material = *point.primitive.material;
+  return V4d(material.base_color_factor) * VertexColor(point) *
+         point.textures.Color(material.base_color_texture, TextureEncoding::kSrgb);
 }
 
 V3d Rgb(const V4d& color) {
@@ -65,8 +52,8 @@ V3d Rgb(const V4d& color) {
 }
 
 /// The normal that a texture asks for, in the frame of tangent, bitangent and `normal`.
-V3d TexturedNormal(const Point& point, const Material& material, uint32_t index, const V3d& normal) {
-  const V4d texel = TextureAt(point, material.normal_texture, TextureEncoding::kLinear);
+V3d TexturedNormal(Point& point, const Material& material, uint32_t index, const V3d& normal) {
+  const V4d texel = point.textures.Color(material.normal_texture, TextureEncoding::kLinear);
   const V3d bent(material.normal_scale * (2 * texel.x - 1), material.normal_scale * (2 * texel.y - 1),
                  2 * texel.z - 1);
   const size_t first = point.primitive.first_tangent + 3 * size_t(index - point.primitive.first_triangle);
@@ -83,7 +70,7 @@ V3d TexturedNormal(const Point& point, const Material& material, uint32_t index,
   return turned == V3d(0) ? normal : turned;
 }
 
-void PlaceInSpace(const Point& point, const Material& material, uint32_t index, Surface& surface) {
+void PlaceInSpace(Point& point, const Material& material, uint32_t index, Surface& surface) {
   // Barycentric coordinates are those of the triangle in space, so positions in view space interpolate
   // without a division by depth.
   std::array<V3d, 3> corners;
@@ -93,12 +80,15 @@ void PlaceInSpace(const Point& point, const Material& material, uint32_t index, 
     corners[k] = point.frame.view.ViewFromRaster(point.frame.VertexAt(point.primitive, vertex, 0.5));
     position += point.weights[k] * corners[k];
     if (point.primitive.has_normals) {
-      normal += point.weights[k] * V3d(point.frame.normals[point.primitive.first_normal + point.Local(k)]);
+      normal += point.weights[k] * V3d(point.frame.normals[point.primitive.first_normal + point.local[k]]);
     }
   }
   surface.position = position;
   surface.to_camera = point.frame.view.perspective ? UnitOrZero(-position) : V3d(0, 0, 1);
-  V3d face = UnitOrZero(UnitOrZero(corners[1] - corners[0]).cross(UnitOrZero(corners[2] - corners[0])));
+  const V3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
+  V3d face = UnitOrZero(edge1.cross(edge2));
+  // Products of edges that are tiny or huge are nothing.
+  if (face == V3d(0)) face = UnitOrZero(UnitOrZero(edge1).cross(UnitOrZero(edge2)));
   normal = UnitOrZero(normal);
   if (normal == V3d(0)) normal = face;
   if (face == V3d(0)) face = normal;
@@ -120,14 +110,6 @@ void PlaceInSpace(const Point& point, const Material& material, uint32_t index, 
 
 }  // namespace
 
-bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
-            TextureEncoding encoding) {
-  if (reference.texture < 0 || reference.texcoord < 0 || reference.texcoord > 1) return false;
-  const int image = frame.scene->textures[size_t(reference.texture)].image;
-  return image >= 0 && frame.Pyramid(image, encoding) != nullptr &&
-         !source.texcoords[size_t(reference.texcoord)].empty();
-}
-
 bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive) {
   const std::vector<MaterialTexture> textures = TexturesOf(*primitive.material);
   return std::any_of(textures.begin(), textures.end(), [&](const MaterialTexture& texture) {
@@ -137,31 +119,33 @@ bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive) {
 
 V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
                 const Barycentric& at, const Footprint& footprint) {
-  const Point point = PointOf(frame, primitive, triangle, at, footprint);
-  const Material& material = *primitive.material;
-  return V4d(material.base_color_factor) * VertexColor(point) *
-         TextureAt(point, material.base_color_texture, TextureEncoding::kSrgb);
+  Point point(frame, primitive, triangle, at, footprint);
+  return BaseColor(point);
 }
 
 Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
                   uint32_t index, const Barycentric& at, const Footprint& footprint) {
-  const Point point = PointOf(frame, primitive, triangle, at, footprint);
+  Point point(frame, primitive, triangle, at, footprint);
   const Material& material = *primitive.material;
+  // What nearly all textured materials have is fetched while the surface is placed.
+  point.textures.Prefetch(material.base_color_texture, TextureEncoding::kSrgb);
+  point.textures.Prefetch(material.metallic_roughness_texture, TextureEncoding::kLinear);
+  if (primitive.has_tangents) point.textures.Prefetch(material.normal_texture, TextureEncoding::kLinear);
   Surface surface;
   PlaceInSpace(point, material, index, surface);
-  surface.base_color = Rgb(BaseColorAt(frame, primitive, triangle, at, footprint));
+  surface.base_color = Rgb(BaseColor(point));
 
   const V4d metallic_roughness =
-      TextureAt(point, material.metallic_roughness_texture, TextureEncoding::kLinear);
+      point.textures.Color(material.metallic_roughness_texture, TextureEncoding::kLinear);
   surface.metallic = std::clamp(material.metallic_factor * metallic_roughness.z, 0.0, 1.0);
   surface.roughness = std::clamp(material.roughness_factor * metallic_roughness.y, 0.0, 1.0);
 
   // An index of 0 stands for infinity: everything is mirrored [KHR_materials_ior].
   const double r = material.ior == 0 ? 1 : (double(material.ior) - 1) / (double(material.ior) + 1);
   const double specular =
-      material.specular_factor * TextureAt(point, material.specular_texture, TextureEncoding::kLinear).w;
+      material.specular_factor * point.textures.Color(material.specular_texture, TextureEncoding::kLinear).w;
   const V3d tint = V3d(material.specular_color_factor) *
-                   Rgb(TextureAt(point, material.specular_color_texture, TextureEncoding::kSrgb));
+                   Rgb(point.textures.Color(material.specular_color_texture, TextureEncoding::kSrgb));
   for (int c = 0; c < 3; ++c) {
     const double dielectric = std::min(r * r * tint[c], 1.0) * specular;
     surface.f0[c] = dielectric + surface.metallic * (surface.base_color[c] - dielectric);
@@ -169,12 +153,12 @@ Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, cons
   surface.f90 = specular + surface.metallic * (1 - specular);
 
   if (material.occlusion_texture.texture >= 0) {
-    const double open = TextureAt(point, material.occlusion_texture, TextureEncoding::kLinear).x;
+    const double open = point.textures.Color(material.occlusion_texture, TextureEncoding::kLinear).x;
     surface.occlusion = 1 + material.occlusion_strength * (open - 1);
   }
   if (material.emissive_factor != V3f(0)) {
     surface.emission = V3d(material.emissive_factor) *
-                       Rgb(TextureAt(point, material.emissive_texture, TextureEncoding::kSrgb));
+                       Rgb(point.textures.Color(material.emissive_texture, TextureEncoding::kSrgb));
   }
   return surface;
 }

@@ -31,10 +31,6 @@ V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const 
 Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
                   uint32_t index, const Barycentric& at, const Footprint& footprint);
 
-/// Whether the frame has the texture, in this encoding, and the mesh the coordinates for it.
-bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
-            TextureEncoding encoding);
-
 /// Whether any of the material's textures is.
 bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive);
 

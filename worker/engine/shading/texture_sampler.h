@@ -3,10 +3,9 @@
 #include "common/math/spaces.h"
 #include "worker/engine/scene/mip_pyramid.h"
 #include "worker/engine/scene/scene.h"
+#include "worker/engine/shading/texture_walk.h"
 
 namespace shutterline::engine {
-
-inline constexpr int kMostProbes = 16;
 
 /// Linear colour and alpha of a texture at `uv` (glTF: (0, 0) is the top left corner of the image, (1, 1) the
 /// bottom right one) under a pixel whose axes are `duv_dx` and `duv_dy` (change of uv per raster pixel):
@@ -15,8 +14,5 @@ inline constexpr int kMostProbes = 16;
 /// bilinear, or the nearest texel if the texture says so. Coordinates that are not finite count as 0.
 V4f SampleTexture(const MipPyramid& pyramid, const Texture& texture, V2d uv, const V2d& duv_dx,
                   const V2d& duv_dy, int most_probes = kMostProbes);
-
-/// The texel index that `index` means in an image of `size` texels.
-int WrapTexel(int64_t index, int size, WrapMode mode);
 
 }  // namespace shutterline::engine
