@@ -59,7 +59,10 @@ TEST(ShadingCacheInFrames, ChangesNoBitWhateverItsSizeAndWhoeverShares) {
   for (const bool occluded : {false, true}) {
     RenderSettings settings = Small();
     settings.target_error = 0.02;
-    if (occluded) settings.occlusion = OcclusionSettings{.lines = 2, .radius = 0.05};
+    if (occluded) {
+      settings.occlusion.emplace().lines = 2;
+      settings.occlusion->radius = 0.05;
+    }
     const auto frame = FrameOf("chess", settings);
     RenderStats with, without, tight;
     const Image truth = Render(frame, settings, 1, Cache(1024), &with);
@@ -112,14 +115,15 @@ TEST(ShadingCacheInFrames, PropagationIsCheaperAndNearly) {
 
 class SameTexels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, SameTexels, testing::Values("chess", "armadillo", "clothball"),
-                         [](const testing::TestParamInfo<const char*>& info) {
-                           return std::string(info.param);
+                         [](const testing::TestParamInfo<const char*>& scene) {
+                           return std::string(scene.param);
                          });
 
 TEST_P(SameTexels, LinesAndRaysAgree) {
   RenderSettings settings = Small();
   settings.shading_rate = 1;
   settings.shutter_close = 0.25;
+  settings.pattern = PatternKind::k8h8v;  // A line looks at one texel a pixel.
   const auto frame = FrameOf(GetParam(), settings);
   const Image lines = Render(frame, settings, 2, Cache(64));
   RenderSettings rays = settings;
@@ -143,7 +147,7 @@ TEST(Occlusion, AWhiteSurfaceInEvenLightShowsHowOpenItIs) {
   settings.target_error = 0.05;
   settings.lighting = LightingKind::kScene;  // It has none of its own.
   settings.ambient = {1, 1, 1};
-  settings.occlusion = OcclusionSettings{.lines = 4};
+  settings.occlusion.emplace().lines = 16;
   settings.aovs = {Aov::kAmbientOcclusion};
   auto white = std::make_shared<Scene>(*Textured("chess"));
   for (Material& material : white->materials) {
@@ -160,23 +164,19 @@ TEST(Occlusion, AWhiteSurfaceInEvenLightShowsHowOpenItIs) {
   Image image(settings.width, settings.height, {"R", "G", "B", "A", "ao"});
   RenderStats stats;
   (*integrator)->Render({0, 0, settings.width, settings.height}, image.values(), stats);
-  double darkest = 1;
+  double darkest = 1, red = 0, open = 0, apart = 0;
   for (int y = 0; y < settings.height; ++y) {
     for (int x = 0; x < settings.width; ++x) {
       const float* pixel = image.At(x, y);
-      // Colour is that of pieces, the AOV that of pairs: texels at borders may differ.
-      EXPECT_NEAR(pixel[0], pixel[4], 0.25) << x << ", " << y;
+      // Colour is that of pieces, the AOV that of pairs, which may look at neighbouring texels.
+      red += double(pixel[0]);
+      open += double(pixel[4]);
+      apart += std::abs(double(pixel[0] - pixel[4]));
       darkest = std::min(darkest, double(pixel[4]));
     }
   }
-  double red = 0, open = 0;
-  for (int y = 0; y < settings.height; ++y) {
-    for (int x = 0; x < settings.width; ++x) {
-      red += double(image.At(x, y)[0]);
-      open += double(image.At(x, y)[4]);
-    }
-  }
-  EXPECT_NEAR(red / open, 1, 0.01);
+  EXPECT_NEAR(red / open, 1, 0.005);
+  EXPECT_LT(apart / open, 0.03);
   EXPECT_LT(darkest, 0.8);
 }
 

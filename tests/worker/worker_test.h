@@ -64,7 +64,7 @@ class WorkerTest : public testing::Test {
   }
 
   static void ExpectPixels(const v1::TileResult& result) {
-    ASSERT_TRUE(result.has_rgba()) << result.failure().message();
+    ASSERT_TRUE(result.has_pixels()) << result.failure().message();
     const TileRect rect = TileGrid{100, 90}.Rect(int(result.tile()));
     std::vector<float> expected(size_t(rect.Area()) * 4);
     FakeRenderer::Expected(rect, result.frame(), expected);

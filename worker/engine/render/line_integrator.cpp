@@ -30,11 +30,6 @@ bool CanonicalOrder(const Contribution& a, const Contribution& b) {
          std::tie(b.weight, b.color.x, b.color.y, b.color.z);
 }
 
-/// The middle of the pair's part of the shutter.
-double MiddleOf(const PixelPair& pair) {
-  return (pair.bin + 0.5) / double(1u << pair.bins_log2);
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
@@ -159,7 +154,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         covered += pair.weight;
         if (traits.needs_position) {
           const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          const Shaded shaded = texels_.Shade(pair.triangle, at, MiddleOf(pair), stats);
+          const Shaded shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), stats);
           contributions.push_back({pair.weight, shaded.radiance});
         } else {
           contributions.push_back({pair.weight, shader_.Shade(pair.triangle, {}, {})});

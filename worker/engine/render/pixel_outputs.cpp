@@ -131,7 +131,7 @@ void PixelOutputs::Write(std::span<const PixelPair> pairs, uint64_t total, doubl
     Sample& sample = samples.emplace_back();
     sample.weight = pair.weight;
     const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-    const double t = (pair.bin + 0.5) / double(1u << pair.bins_log2);
+    const double t = pair.MiddleTime();
     const V3d middle = frame.view.ViewFromRaster(PointAt(frame, pair.triangle, at, kMidShutter));
     sample.depth = -middle.z;
     nearest = std::min(nearest, sample.depth);

@@ -10,6 +10,9 @@ namespace {
 /// difference of the halves of a pilot of N₀ samples.
 constexpr double kTimeShare = 0.25;
 constexpr double kTimeSlope = 1.2;
+/// The same where textures move: neighbouring texels have little to do with one another.
+constexpr double kTextureShare = 0.35;
+constexpr double kTextureSlope = 0.8;
 /// What lines in space alone leave is taken as kSpaceShare · d with one horizontal and one vertical line a
 /// pixel, d being the difference of the two, and as kFinerShare of that with twice as many.
 constexpr double kSpaceShare = 0.2;
@@ -64,8 +67,10 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSo
   const LinePattern& single = LinePattern::Get(PatternKind::k1h1v);
   const EffortPilot::Findings found = work.pilot.Fly(strata, work.lines.In(single, strata.mesh().rect()),
                                                      pilot, shutter_, work.colors, film, alpha, stats);
+  const double share = found.sees_moving_textures ? kTextureShare : kTimeShare;
+  const double slope = found.sees_moving_textures ? kTextureSlope : kTimeSlope;
   const double samples =
-      double(found.samples) * std::pow(kTimeShare * found.time_difference / target_error_, 1 / kTimeSlope);
+      double(found.samples) * std::pow(share * found.time_difference / target_error_, 1 / slope);
   const LinePattern& pattern = pattern_is_free_ ? PatternFor(found.space_difference, samples) : pattern_;
   if (!strata.moves()) return {&pattern, 1};
 

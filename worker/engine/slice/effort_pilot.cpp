@@ -55,7 +55,10 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
                     .space_difference = std::sqrt(space_sum / values)};
   for (uint32_t i = 0; i < strata.mesh().triangles().size(); ++i) {
     const TileMeshTriangle& triangle = strata.mesh().triangles()[i];
-    if (triangle.shading_bins_log2 > 0 && colors.WasSeen(i) && !colors.IsByPoints(i)) {
+    if (triangle.shading_bins_log2 == 0 || !colors.WasSeen(i)) continue;
+    if (colors.IsByPoints(i)) {
+      findings.sees_moving_textures = true;
+    } else {
       findings.textured_motion_pixels =
           std::max(findings.textured_motion_pixels, double(triangle.motion_pixels));
     }

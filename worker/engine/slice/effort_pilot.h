@@ -27,7 +27,11 @@ class EffortPilot {
     double time_difference = 0;
     /// The same of one family's line minus the other's, as far as time does not account for it.
     double space_difference = 0;
-    double textured_motion_pixels = 0;  ///< The longest motion among the textured triangles that were seen.
+    /// Textures that move were seen, by points (ColorFilm::HasPoints): the differences tell how they look.
+    bool sees_moving_textures = false;
+    /// The longest motion among textured triangles that were seen as one colour each: the differences do not
+    /// tell.
+    double textured_motion_pixels = 0;
   };
 
   /// The first and the last of `classes` are of different families. `instants`: a multiple of 4, or 1 where

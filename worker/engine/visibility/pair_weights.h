@@ -20,6 +20,9 @@ struct PixelPair {
   uint64_t weight = 0;    ///< Of PairWeights::total(): an exact integer.
   double b1 = 0, b2 = 0;  ///< Σ weight × barycentric coordinate; divide by weight.
   uint32_t next = 0;      ///< The pixel's next pair, 0: none. Internal.
+
+  /// The middle of its part of the shutter.
+  double MiddleTime() const { return (bin + 0.5) / double(1u << bins_log2); }
 };
 
 /// Weights of (triangle, pixel) pairs over a tile.
