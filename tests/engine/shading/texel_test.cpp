@@ -9,6 +9,11 @@
 namespace shutterline::engine {
 namespace {
 
+std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate) {
+  const std::optional<TexelLevels> levels = LevelsAt(pixel, rate);
+  return levels ? std::optional(TexelAt(at, *levels)) : std::nullopt;
+}
+
 Footprint PixelOf(double db1, double db2) {
   return {.db1_dx = db1, .db1_dy = 0, .db2_dx = 0, .db2_dy = db2};
 }
@@ -80,6 +85,20 @@ TEST(Texel, PointsOnTheLongSideAreInTexelsOfTheTriangle) {
       EXPECT_TRUE(centre.b1 >= 0 && centre.b2 >= 0 && centre.b1 + centre.b2 <= 1);
     }
   }
+}
+
+TEST(Texel, LevelsAreTheLeastWhoseTexelsAreShorterThanTheRootOfTwo) {
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 100'000; ++i) {
+    const double per_pixel = std::exp2(-30 * std::uniform_real_distribution<double>()(random));
+    const auto levels = LevelsAt(PixelOf(per_pixel, 1), 1);
+    ASSERT_TRUE(levels.has_value());
+    const double side = std::exp2(-levels->level1) / per_pixel;
+    ASSERT_LE(side, std::sqrt(2) * (1 + 1e-12)) << per_pixel;
+    ASSERT_TRUE(levels->level1 == 0 || 2 * side > std::sqrt(2) * (1 - 1e-12)) << per_pixel;
+  }
+  for (int level = 0; level <= 30; ++level)
+    EXPECT_EQ(LevelsAt(PixelOf(std::exp2(-level), 1), 1)->level1, level);
 }
 
 TEST(Texel, WithoutAFootprintOrRoomThereIsNone) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace shutterline::engine {
@@ -14,32 +15,35 @@ int LevelFor(double squared, double rate) {
   const double texels = rate * rate / squared;  // Along the side, squared.
   if (!(texels <= 0x1p62) || !(texels >= 0)) return -1;
   if (texels <= 2) return 0;
-  // The least level with 4^level >= texels / 2.
-  int exponent = 0;
-  const double fraction = std::frexp(texels, &exponent);  // In [1/2, 1).
-  return fraction == 0.5 ? (exponent - 1) / 2 : exponent / 2;
+  // The least level with 4^level >= texels / 2, from the bits of a number that is above 2.
+  const auto bits = std::bit_cast<uint64_t>(texels);
+  const int exponent = int(bits >> 52) - 1023;  // It is in [2^exponent, 2^(exponent + 1)).
+  const bool is_power = (bits & ((uint64_t{1} << 52) - 1)) == 0;
+  return is_power ? exponent / 2 : (exponent + 1) / 2;
 }
 
-/// The column or row of a coordinate; the last one's far border belongs to it.
+/// The column or row of a coordinate in [0, 1]; the last one's far border belongs to it.
 uint32_t CellOf(double b, int level) {
-  const double cells = double(uint64_t{1} << level);
-  return uint32_t(std::clamp(std::floor(b * cells), 0.0, cells - 1));
+  const auto cells = uint64_t{1} << level;
+  return uint32_t(std::min(uint64_t(b * double(cells)), cells - 1));
 }
 
 }  // namespace
 
-std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate) {
-  Texel texel;
-  texel.level1 = LevelFor(pixel.db1_dx * pixel.db1_dx + pixel.db1_dy * pixel.db1_dy, rate);
-  texel.level2 = LevelFor(pixel.db2_dx * pixel.db2_dx + pixel.db2_dy * pixel.db2_dy, rate);
-  if (texel.level1 < 0 || texel.level2 < 0 || texel.level1 + texel.level2 > Texel::kMaxLevelSum)
-    return std::nullopt;
-  texel.i = CellOf(at.b1, texel.level1);
-  texel.j = CellOf(at.b2, texel.level2);
-  // A point on the triangle's long side may round into a cell that only touches it.
-  const double low = double(texel.i) / double(uint64_t{1} << texel.level1) +
-                     double(texel.j) / double(uint64_t{1} << texel.level2);
-  if (low >= 1) {
+std::optional<TexelLevels> LevelsAt(const Footprint& pixel, double rate) {
+  const TexelLevels levels{LevelFor(pixel.db1_dx * pixel.db1_dx + pixel.db1_dy * pixel.db1_dy, rate),
+                           LevelFor(pixel.db2_dx * pixel.db2_dx + pixel.db2_dy * pixel.db2_dy, rate)};
+  const bool fits =
+      levels.level1 >= 0 && levels.level2 >= 0 && levels.level1 + levels.level2 <= Texel::kMaxLevelSum;
+  return fits ? std::optional(levels) : std::nullopt;
+}
+
+Texel TexelAt(const Barycentric& at, const TexelLevels& levels) {
+  Texel texel{levels.level1, levels.level2, CellOf(at.b1, levels.level1), CellOf(at.b2, levels.level2)};
+  // A point on the triangle's long side may round into a cell that only touches it: in units of the finest
+  // cell,
+  const uint64_t low = uint64_t{texel.i} << levels.level2, high = uint64_t{texel.j} << levels.level1;
+  if (low + high >= uint64_t{1} << (levels.level1 + levels.level2)) {
     if (texel.i > 0) {
       --texel.i;
     } else {

@@ -36,8 +36,17 @@ struct Texel {
   static constexpr int kMaxLevelSum = 53;  ///< Of both: what a key has room for.
 };
 
-/// The texel around `at` whose sides are nearest, as powers of two, to 1 / rate pixels, `pixel` being a
-/// pixel's footprint. Nothing where that would be too fine for a key, or the footprint is not known.
-std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate);
+struct TexelLevels {
+  int level1 = 0, level2 = 0;
+
+  friend bool operator==(const TexelLevels&, const TexelLevels&) = default;
+};
+
+/// Those of texels whose sides are nearest, as powers of two, to 1 / rate pixels, `pixel` being a pixel's
+/// footprint. Nothing where that would be too fine for a key, or the footprint is not known.
+std::optional<TexelLevels> LevelsAt(const Footprint& pixel, double rate);
+
+/// The texel of these levels that holds a point of the triangle.
+Texel TexelAt(const Barycentric& at, const TexelLevels& levels);
 
 }  // namespace shutterline::engine

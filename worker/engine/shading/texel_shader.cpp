@@ -26,35 +26,45 @@ TexelShader::TexelShader(const Shader& shader, const RenderSettings& settings,
   }
 }
 
-TexelShader::Corners TexelShader::CornersOf(uint32_t triangle) const {
+TexelShader::Triangle TexelShader::TriangleOf(uint32_t triangle) const {
   const FrameScene& frame = shader_.frame();
   const FrameTriangle& source = frame.triangles[triangle];
-  Corners corners;
+  Triangle made{.number = triangle, .corners = {}, .levels = {}};
   for (size_t k = 0; k < 3; ++k) {
-    corners[k] = frame.VertexAt(frame.primitives[source.primitive], source.vertices[k], kMidShutter);
+    made.corners[k] = frame.VertexAt(frame.primitives[source.primitive], source.vertices[k], kMidShutter);
   }
-  return corners;
+  // Texels of most triangles are alike; asking for levels point by point takes longer than looking one up.
+  made.levels = LevelsAt(PixelFootprint(made.corners, {1.0 / 3, 1.0 / 3}), rate_);
+  for (const Barycentric& corner : {Barycentric{0, 0}, Barycentric{1, 0}, Barycentric{0, 1}}) {
+    if (made.levels && LevelsAt(PixelFootprint(made.corners, corner), rate_) != made.levels)
+      made.levels.reset();
+  }
+  return made;
+}
+
+std::optional<Texel> TexelShader::TexelOf(const Triangle& triangle, const Barycentric& at) const {
+  if (triangle.levels) return TexelAt(at, *triangle.levels);
+  const std::optional<TexelLevels> levels = LevelsAt(PixelFootprint(triangle.corners, at), rate_);
+  return levels ? std::optional(TexelAt(at, *levels)) : std::nullopt;
 }
 
 Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const {
-  if (HasTexels(triangle)) return ShadeOnTexels(triangle, CornersOf(triangle), at, stats);
+  if (HasTexels(triangle)) {
+    const Triangle on = TriangleOf(triangle);
+    const std::optional<Texel> texel = TexelOf(on, at);
+    return texel ? ShadeTexel(on, *texel, texel->KeyOf(triangle), stats) : ShadePoint(on, at);
+  }
   const FrameScene& frame = shader_.frame();
   const bool textured = textured_[frame.triangles[triangle].primitive];
   return shader_.ShadeFully(triangle, at, textured ? PixelFootprintAt(frame, triangle, at, t) : Footprint{});
 }
 
-Shaded TexelShader::ShadeOnTexels(uint32_t triangle, const Corners& corners, const Barycentric& at,
-                                  RenderStats& stats) const {
-  const Footprint pixel = PixelFootprint(corners, at);
-  const std::optional<Texel> texel = TexelAt(at, pixel, rate_);
-  if (texel) return ShadeTexel(triangle, corners, *texel, stats);
-  // Behind the camera at mid-shutter: nobody knows how large a pixel is there.
-  return shader_.ShadeFully(triangle, at, pixel);
+Shaded TexelShader::ShadePoint(const Triangle& triangle, const Barycentric& at) const {
+  return shader_.ShadeFully(triangle.number, at, PixelFootprint(triangle.corners, at));
 }
 
-Shaded TexelShader::ShadeTexel(uint32_t triangle, const Corners& corners, const Texel& texel,
+Shaded TexelShader::ShadeTexel(const Triangle& triangle, const Texel& texel, const TexelKey& key,
                                RenderStats& stats) const {
-  const TexelKey key = texel.KeyOf(triangle);
   ++stats.shading_requests;
   Shaded shaded;
   if (cache_ && cache_.Find(key, shaded)) {
@@ -62,17 +72,17 @@ Shaded TexelShader::ShadeTexel(uint32_t triangle, const Corners& corners, const 
     return shaded;
   }
   const Barycentric centre = texel.Centre();
-  Footprint footprint = PixelFootprint(corners, centre);
+  Footprint footprint = PixelFootprint(triangle.corners, centre);
   footprint.db1_dx /= rate_;
   footprint.db1_dy /= rate_;
   footprint.db2_dx /= rate_;
   footprint.db2_dy /= rate_;
-  shaded = shader_.ShadeFully(triangle, centre, footprint);
+  shaded = shader_.ShadeFully(triangle.number, centre, footprint);
   if (!cache_) return shaded;
   const ShadingCache::Outcome outcome = cache_.Store(key, shaded);
   if (outcome == ShadingCache::Outcome::kDuplicate) ++stats.duplicate_shadings;
   if (outcome == ShadingCache::Outcome::kFull) ++stats.cache_overflows;
-  if (propagates_) Propagate(triangle, texel, shaded);
+  if (propagates_) Propagate(triangle.number, texel, shaded);
   return shaded;
 }
 

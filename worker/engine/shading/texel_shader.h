@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/job/render_settings.h"
@@ -20,8 +21,12 @@ namespace shutterline::engine {
 /// texel's centre, with the footprint of a pixel there at mid-shutter; elsewhere it is its own. Thread-safe.
 class TexelShader {
  public:
-  /// Where a triangle's corners are at mid-shutter.
-  using Corners = std::array<RasterPoint, 3>;
+  /// What the texels of a triangle have in common.
+  struct Triangle {
+    uint32_t number = 0;                 ///< In the frame.
+    std::array<RasterPoint, 3> corners;  ///< At mid-shutter.
+    std::optional<TexelLevels> levels;   ///< Where they are the same all over it.
+  };
 
   /// What has texels though no rate is asked for.
   enum class Sharing { kMovingAndDear, kDear };
@@ -35,16 +40,21 @@ class TexelShader {
   bool HasTexels(uint32_t triangle) const {
     return has_texels_[shader_.frame().triangles[triangle].primitive];
   }
-  Corners CornersOf(uint32_t triangle) const;
-  /// A point of a triangle that has texels.
-  Shaded ShadeOnTexels(uint32_t triangle, const Corners& corners, const Barycentric& at,
-                       RenderStats& stats) const;
+  /// Of a triangle that has texels.
+  Triangle TriangleOf(uint32_t triangle) const;
+  /// The texel around a point of it; nothing where it has none, as it is behind the camera at mid-shutter.
+  std::optional<Texel> TexelOf(const Triangle& triangle, const Barycentric& at) const;
+  Shaded ShadeTexel(const Triangle& triangle, const Texel& texel, const TexelKey& key,
+                    RenderStats& stats) const;
+  /// A point of it that has no texel.
+  Shaded ShadePoint(const Triangle& triangle, const Barycentric& at) const;
+
+  bool HasCache() const { return bool(cache_); }
 
   /// A point that is seen at shutter time t, with texels or without.
   Shaded Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
 
  private:
-  Shaded ShadeTexel(uint32_t triangle, const Corners& corners, const Texel& texel, RenderStats& stats) const;
   void Propagate(uint32_t triangle, Texel texel, const Shaded& shaded) const;
 
   const Shader& shader_;

@@ -56,7 +56,7 @@ void TileColors::Shade(uint32_t index) {
     for (const V3f& color : nodes->middles) measure(color);
   }
   colors_[index][3] = 1;
-  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic, .by_points = false};
+  smooth_[index] = {.coefficients = {}, .quadratic = nodes->quadratic, .by_points = false, .prepared = 0};
   for (int c = 0; c < 3; ++c) {
     const auto k = size_t(c);
     const double f0 = nodes->corners[0][c];
@@ -84,6 +84,7 @@ void TileColors::Shade(uint32_t index) {
 void TileColors::ShadeByPoints(uint32_t index) {
   kinds_[index] = ColorKind::kSmooth;
   smooth_[index].by_points = true;
+  smooth_[index].prepared = film_->points().Prepare(mesh_->triangles()[index].id);
 }
 
 TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& position, double l) const {
@@ -93,7 +94,7 @@ TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& positi
   const double b1 = ClampedFromZero((position.at[0] + position.per_pixel[0] * l) * over, 1);
   const double b2 = ClampedFromZero((position.at[1] + position.per_pixel[1] * l) * over, 1 - b1);
   if (smooth.by_points) {
-    const V3f radiance = film_->PointColor(mesh_->triangles()[index].id, b1, b2);
+    const V3f radiance = film_->points().At(smooth.prepared, b1, b2);
     return {double(radiance.x), double(radiance.y), double(radiance.z), 1};
   }
   Color color;

@@ -58,6 +58,7 @@ class TileColors {
   struct Smooth {
     std::array<Color, 6> coefficients;
     bool quadratic = false, by_points = false;
+    uint32_t prepared = 0;  ///< Of PointColors.
   };
 
   void Shade(uint32_t index);

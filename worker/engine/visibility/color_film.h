@@ -51,7 +51,8 @@ class ColorFilm {
   bool CanGuess() const { return guesser_ != nullptr; }
   V3f Guess(uint32_t triangle) const { return guesser_(triangle); }
   bool HasPoints(uint32_t triangle) const { return points_ != nullptr && points_->Has(triangle); }
-  V3f PointColor(uint32_t triangle, double b1, double b2) { return points_->At(triangle, b1, b2); }
+  /// Where it has points.
+  PointColors& points() { return *points_; }
 
   /// Red, green, blue, coverage; `pixel` counts in rows within the tile.
   std::array<double, 4>& At(int64_t pixel) { return sums_[size_t(pixel)]; }

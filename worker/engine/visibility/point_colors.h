@@ -14,8 +14,10 @@ class PointColors {
 
   /// Whether the triangle of the frame is one of these.
   virtual bool Has(uint32_t triangle) const = 0;
+  /// A number under which one of these is asked for.
+  virtual uint32_t Prepare(uint32_t triangle) = 0;
   /// The radiance there, at barycentric coordinates.
-  virtual V3f At(uint32_t triangle, double b1, double b2) = 0;
+  virtual V3f At(uint32_t prepared, double b1, double b2) = 0;
 };
 
 }  // namespace shutterline::engine
