@@ -2,24 +2,30 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
+
+#include "worker/engine/shading/footprint.h"
+#include "worker/engine/shading/texel_levels.h"
 
 namespace shutterline::engine {
 namespace {
 
-std::optional<Texel> TexelAt(const Barycentric& at, const Footprint& pixel, double rate) {
-  const std::optional<TexelLevels> levels = LevelsAt(pixel, rate);
+/// A flat triangle whose barycentric coordinates change by `db1` a pixel to the right and `db2` a pixel down.
+std::array<RasterPoint, 3> TriangleOf(double db1, double db2) {
+  return {RasterPoint{0, 0, 1, 1}, RasterPoint{1 / db1, 0, 1, 1}, RasterPoint{0, 1 / db2, 1, 1}};
+}
+
+std::optional<Texel> TexelAt(const Barycentric& at, const std::array<RasterPoint, 3>& triangle, double rate) {
+  const std::optional<TexelLevels> levels = TexelLevelsOfTriangle(triangle, rate).At(at);
   return levels ? std::optional(TexelAt(at, *levels)) : std::nullopt;
 }
 
-Footprint PixelOf(double db1, double db2) {
-  return {.db1_dx = db1, .db1_dy = 0, .db2_dx = 0, .db2_dy = db2};
-}
-
 TEST(Texel, OfATriangleWithinAPixelIsAllOfIt) {
-  const auto texel = TexelAt({0.7, 0.2}, PixelOf(3, 1.1), 1);
+  const auto texel = TexelAt({0.7, 0.2}, TriangleOf(3, 1.1), 1);
   ASSERT_TRUE(texel.has_value());
   EXPECT_TRUE(texel->IsTop());
   EXPECT_NEAR(texel->Centre().b1, 1.0 / 3, 1e-15);
@@ -30,13 +36,12 @@ TEST(Texel, IsAboutAPixelOverTheRateInBothDirections) {
   std::mt19937 random(7);
   for (int i = 0; i < 10'000; ++i) {
     const auto uniform = [&] { return std::uniform_real_distribution<double>()(random); };
-    const Footprint pixel = PixelOf(std::exp2(-10 * uniform()), std::exp2(-10 * uniform()));
+    const double db1 = std::exp2(-10 * uniform()), db2 = std::exp2(-10 * uniform());
     const double rate = std::exp2(4 * uniform() - 2);
     const double b1 = uniform(), b2 = uniform() * (1 - b1);
-    const auto texel = TexelAt({b1, b2}, pixel, rate);
+    const auto texel = TexelAt({b1, b2}, TriangleOf(db1, db2), rate);
     ASSERT_TRUE(texel.has_value());
-    const double sides[2] = {std::exp2(-texel->level1) * rate / pixel.db1_dx,
-                             std::exp2(-texel->level2) * rate / pixel.db2_dy};
+    const double sides[2] = {std::exp2(-texel->level1) * rate / db1, std::exp2(-texel->level2) * rate / db2};
     for (const double side : sides) EXPECT_LE(side, 1.4143);
     EXPECT_TRUE(texel->level1 == 0 || sides[0] >= 0.7071) << sides[0];
     EXPECT_TRUE(texel->level2 == 0 || sides[1] >= 0.7071) << sides[1];
@@ -78,7 +83,7 @@ TEST(Texel, PointsOnTheLongSideAreInTexelsOfTheTriangle) {
     const double pixel = std::exp2(-level);
     for (int k = 0; k <= 1 << level; k += 1 + (1 << level) / 64) {
       const double b1 = k * pixel;
-      const auto texel = TexelAt({b1, 1 - b1}, PixelOf(pixel, pixel), 1);
+      const auto texel = TexelAt({b1, 1 - b1}, TriangleOf(pixel, pixel), 1);
       ASSERT_TRUE(texel.has_value());
       EXPECT_LT(texel->i + texel->j, 1u << level) << level << " " << k;
       const Barycentric centre = texel->Centre();
@@ -91,23 +96,59 @@ TEST(Texel, LevelsAreTheLeastWhoseTexelsAreShorterThanTheRootOfTwo) {
   std::mt19937_64 random(11);
   for (int i = 0; i < 100'000; ++i) {
     const double per_pixel = std::exp2(-30 * std::uniform_real_distribution<double>()(random));
-    const auto levels = LevelsAt(PixelOf(per_pixel, 1), 1);
+    const auto levels = TexelLevelsOfTriangle(TriangleOf(per_pixel, 1), 1).At({0.2, 0.2});
     ASSERT_TRUE(levels.has_value());
     const double side = std::exp2(-levels->level1) / per_pixel;
     ASSERT_LE(side, std::sqrt(2) * (1 + 1e-12)) << per_pixel;
     ASSERT_TRUE(levels->level1 == 0 || 2 * side > std::sqrt(2) * (1 - 1e-12)) << per_pixel;
   }
-  for (int level = 0; level <= 30; ++level)
-    EXPECT_EQ(LevelsAt(PixelOf(std::exp2(-level), 1), 1)->level1, level);
+  for (int level = 0; level <= 30; ++level) {
+    EXPECT_EQ(TexelLevelsOfTriangle(TriangleOf(std::exp2(-level), 1), 1).At({0, 0})->level1, level);
+  }
 }
 
-TEST(Texel, WithoutAFootprintOrRoomThereIsNone) {
+TEST(Texel, LevelsFollowThePixelsFootprintInPerspective) {
+  std::mt19937 random(13);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int uneven = 0;
+  for (int i = 0; i < 5'000; ++i) {
+    std::array<RasterPoint, 3> corners;
+    for (RasterPoint& corner : corners) {
+      const double w = std::exp2(uniform(-3, 3));
+      corner = {w * uniform(-500, 500), w * uniform(-500, 500), 1, w};
+    }
+    const double rate = std::exp2(uniform(-2, 2));
+    const TexelLevelsOfTriangle levels(corners, rate);
+    std::set<int> met;
+    for (int k = 0; k < 10; ++k) {
+      const double b1 = uniform(0, 1), b2 = uniform(0, 1 - b1);
+      const auto found = levels.At({b1, b2});
+      ASSERT_TRUE(found.has_value());
+      met.insert(found->level1);
+      const Footprint f = PixelFootprint(corners, {b1, b2});
+      const double side = std::exp2(-found->level1) * rate / std::hypot(f.db1_dx, f.db1_dy);
+      // Where corners and middle agree, what lies between is taken to.
+      EXPECT_LE(side, 1.4143 * 1.5) << "triangle " << i;
+      EXPECT_TRUE(found->level1 == 0 || side > 0.7071 / 1.5) << "triangle " << i << ": " << side;
+    }
+    if (met.size() > 1) ++uneven;
+  }
+  EXPECT_GT(uneven, 500);
+}
+
+TEST(Texel, WhereThereIsNoFootprintOrNoRoomThereIsNone) {
   EXPECT_FALSE(TexelAt({0.1, 0.1}, {}, 1).has_value());
-  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-32), 1), 1).has_value());
-  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-31), 1), 1).has_value());
-  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-27), std::exp2(-27)), 1).has_value());
-  EXPECT_TRUE(TexelAt({0.1, 0.1}, PixelOf(std::exp2(-27), std::exp2(-26)), 1).has_value());
-  EXPECT_FALSE(TexelAt({0.1, 0.1}, PixelOf(std::nan(""), 1), 1).has_value());
+  const RasterPoint p{3, 4, 1, 1};
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, std::array{p, p, p}, 1).has_value());
+  auto behind = TriangleOf(0.1, 0.1);
+  for (RasterPoint& corner : behind) corner.w = -1;
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, behind, 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, TriangleOf(std::exp2(-32), 1), 1).has_value());
+  EXPECT_TRUE(TexelAt({0.1, 0.1}, TriangleOf(std::exp2(-31), 1), 1).has_value());
+  EXPECT_FALSE(TexelAt({0.1, 0.1}, TriangleOf(std::exp2(-27), std::exp2(-27)), 1).has_value());
+  EXPECT_TRUE(TexelAt({0.1, 0.1}, TriangleOf(std::exp2(-27), std::exp2(-26)), 1).has_value());
 }
 
 TEST(Texel, KeysDifferAndParentsHoldTheirChildren) {

@@ -2,25 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace shutterline::engine {
 namespace {
-
-/// So many levels that a texel is about 1 / rate pixels wide, between 1/√2 and √2 of it, in a direction along
-/// which √`squared` of the triangle's side is a pixel; -1 if there is no such level. By the exponent's bits,
-/// so that it is the same on all machines.
-int LevelFor(double squared, double rate) {
-  const double texels = rate * rate / squared;  // Along the side, squared.
-  if (!(texels <= 0x1p62) || !(texels >= 0)) return -1;
-  if (texels <= 2) return 0;
-  // The least level with 4^level >= texels / 2, from the bits of a number that is above 2.
-  const auto bits = std::bit_cast<uint64_t>(texels);
-  const int exponent = int(bits >> 52) - 1023;  // It is in [2^exponent, 2^(exponent + 1)).
-  const bool is_power = (bits & ((uint64_t{1} << 52) - 1)) == 0;
-  return is_power ? exponent / 2 : (exponent + 1) / 2;
-}
 
 /// The column or row of a coordinate in [0, 1]; the last one's far border belongs to it.
 uint32_t CellOf(double b, int level) {
@@ -29,14 +14,6 @@ uint32_t CellOf(double b, int level) {
 }
 
 }  // namespace
-
-std::optional<TexelLevels> LevelsAt(const Footprint& pixel, double rate) {
-  const TexelLevels levels{LevelFor(pixel.db1_dx * pixel.db1_dx + pixel.db1_dy * pixel.db1_dy, rate),
-                           LevelFor(pixel.db2_dx * pixel.db2_dx + pixel.db2_dy * pixel.db2_dy, rate)};
-  const bool fits =
-      levels.level1 >= 0 && levels.level2 >= 0 && levels.level1 + levels.level2 <= Texel::kMaxLevelSum;
-  return fits ? std::optional(levels) : std::nullopt;
-}
 
 Texel TexelAt(const Barycentric& at, const TexelLevels& levels) {
   Texel texel{levels.level1, levels.level2, CellOf(at.b1, levels.level1), CellOf(at.b2, levels.level2)};

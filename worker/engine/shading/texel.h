@@ -2,7 +2,6 @@
 
 #include <compare>
 #include <cstdint>
-#include <optional>
 
 #include "worker/engine/shading/barycentric.h"
 
@@ -41,10 +40,6 @@ struct TexelLevels {
 
   friend bool operator==(const TexelLevels&, const TexelLevels&) = default;
 };
-
-/// Those of texels whose sides are nearest, as powers of two, to 1 / rate pixels, `pixel` being a pixel's
-/// footprint. Nothing where that would be too fine for a key, or the footprint is not known.
-std::optional<TexelLevels> LevelsAt(const Footprint& pixel, double rate);
 
 /// The texel of these levels that holds a point of the triangle.
 Texel TexelAt(const Barycentric& at, const TexelLevels& levels);

@@ -33,18 +33,12 @@ TexelShader::Triangle TexelShader::TriangleOf(uint32_t triangle) const {
   for (size_t k = 0; k < 3; ++k) {
     made.corners[k] = frame.VertexAt(frame.primitives[source.primitive], source.vertices[k], kMidShutter);
   }
-  // Texels of most triangles are alike; asking for levels point by point takes longer than looking one up.
-  made.levels = LevelsAt(PixelFootprint(made.corners, {1.0 / 3, 1.0 / 3}), rate_);
-  for (const Barycentric& corner : {Barycentric{0, 0}, Barycentric{1, 0}, Barycentric{0, 1}}) {
-    if (made.levels && LevelsAt(PixelFootprint(made.corners, corner), rate_) != made.levels)
-      made.levels.reset();
-  }
+  made.levels = TexelLevelsOfTriangle(made.corners, rate_);
   return made;
 }
 
 std::optional<Texel> TexelShader::TexelOf(const Triangle& triangle, const Barycentric& at) const {
-  if (triangle.levels) return TexelAt(at, *triangle.levels);
-  const std::optional<TexelLevels> levels = LevelsAt(PixelFootprint(triangle.corners, at), rate_);
+  const std::optional<TexelLevels> levels = triangle.levels.At(at);
   return levels ? std::optional(TexelAt(at, *levels)) : std::nullopt;
 }
 

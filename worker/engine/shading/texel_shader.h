@@ -12,6 +12,7 @@
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine/shading/texel.h"
+#include "worker/engine/shading/texel_levels.h"
 
 namespace shutterline::engine {
 
@@ -25,7 +26,7 @@ class TexelShader {
   struct Triangle {
     uint32_t number = 0;                 ///< In the frame.
     std::array<RasterPoint, 3> corners;  ///< At mid-shutter.
-    std::optional<TexelLevels> levels;   ///< Where they are the same all over it.
+    TexelLevelsOfTriangle levels;
   };
 
   /// What has texels though no rate is asked for.
