@@ -110,9 +110,9 @@ struct RenderSettings {
 
   // --- Shading -----------------------------------------------------------------------------------
   /// If set, everything is shaded at the centres of texels of its triangles, each once: so many texels a
-  /// pixel, along a side, kMinShadingRate to kMaxShadingRate (docs/math/shading_cache.md). Unset: what moves,
-  /// and what has ambient occlusion, at a rate of 1; the rest, and with the reference what moves, where it is
-  /// seen.
+  /// pixel, along a side, kMinShadingRate to kMaxShadingRate (docs/math/shading_cache.md). Unset: what moves
+  /// at a rate of 1, the rest where it is seen; with the reference everything where it is seen, unless it
+  /// has ambient occlusion.
   std::optional<double> shading_rate;
   /// For experiments: a texel takes over the first shading that came anywhere within it, as in [gribel2011,
   /// appendix B]. Cheaper; but then pictures depend on which thread comes first.

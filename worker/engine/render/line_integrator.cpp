@@ -90,12 +90,9 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   resolver_->Resolve({*frame_, required_traits_, part, candidates, this}, weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
-  ShadePixels(part, weights, film, rect, pixels, stats);
-  if (!outputs_.empty()) {
-    const int64_t lines = stats.lines - lines_before;
-    const double instants = lines > 0 ? double(stats.instants - instants_before) / double(lines) : 0;
-    WriteOutputs(part, weights, film, instants, rect, pixels, stats);
-  }
+  const int64_t lines = stats.lines - lines_before;
+  const double instants = lines > 0 ? double(stats.instants - instants_before) / double(lines) : 0;
+  ShadePixels(part, weights, film, instants, rect, pixels, stats);
   timer.Lap(stats.shade_seconds);
 }
 
@@ -138,27 +135,32 @@ double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t
 V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1, .rough = true};
-  return shader_.Shade(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
+  return shader_.ShadeInTheOpen(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
-                                 const TileRect& rect, std::span<float> pixels, RenderStats& stats) const {
+                                 double instants, const TileRect& rect, std::span<float> pixels,
+                                 RenderStats& stats) const {
   std::vector<Contribution> contributions;
+  std::vector<SeenPair> seen;
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
       // Shade each pair once.
       contributions.clear();
+      seen.clear();
       uint64_t covered = 0;
       weights.ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
         const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
         covered += pair.weight;
+        Shaded shaded;
         if (traits.needs_position) {
           const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          const Shaded shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), stats);
-          contributions.push_back({pair.weight, shaded.radiance});
+          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), stats);
         } else {
-          contributions.push_back({pair.weight, shader_.Shade(pair.triangle, {}, {})});
+          shaded = shader_.ShadeFully(pair.triangle, {}, {});
         }
+        contributions.push_back({pair.weight, shaded.radiance});
+        seen.push_back({pair, shaded.openness});
       });
       const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
       covered += uint64_t(film_sum[3]);
@@ -181,6 +183,11 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
       pixel[1] = float(g / total);
       pixel[2] = float(b / total);
       pixel[3] = float(double(covered) / total);
+      if (outputs_.empty()) continue;
+      film.pairs().ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
+        seen.push_back({pair, std::nullopt});
+      });
+      outputs_.Write(seen, weights.total(), instants, pixel.subspan(4), stats);
     }
   }
 }
@@ -190,22 +197,6 @@ std::span<float> LineIntegrator::PixelOf(const TileRect& part, int x, int y, con
   const size_t pixel = size_t(part.y - rect.y + y) * size_t(rect.width) + size_t(part.x - rect.x + x);
   const size_t channels = 4 + size_t(outputs_.channels());
   return pixels.subspan(pixel * channels, channels);
-}
-
-void LineIntegrator::WriteOutputs(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
-                                  double instants, const TileRect& rect, std::span<float> pixels,
-                                  RenderStats& stats) const {
-  std::vector<PixelPair> pairs;
-  const auto gather = [&](const PixelPair& pair) { pairs.push_back(pair); };
-  for (int y = 0; y < part.height; ++y) {
-    for (int x = 0; x < part.width; ++x) {
-      const int64_t pixel = int64_t{y} * part.width + x;
-      pairs.clear();
-      weights.ForEach(pixel, gather);
-      film.pairs().ForEach(pixel, gather);
-      outputs_.Write(pairs, weights.total(), instants, PixelOf(part, x, y, rect, pixels).subspan(4), stats);
-    }
-  }
 }
 
 }  // namespace shutterline::engine

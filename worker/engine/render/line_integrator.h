@@ -38,10 +38,9 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   V3f GuessOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;
-  void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
+  /// `instants`: of a line, on average.
+  void ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film, double instants,
                    const TileRect& rect, std::span<float> pixels, RenderStats& stats) const;
-  void WriteOutputs(const TileRect& part, const PairWeights& weights, const ColorFilm& film, double instants,
-                    const TileRect& rect, std::span<float> pixels, RenderStats& stats) const;
   /// All channels of pixel (x, y) of `part`, in the pixels of `rect`.
   std::span<float> PixelOf(const TileRect& part, int x, int y, const TileRect& rect,
                            std::span<float> pixels) const;

@@ -113,7 +113,7 @@ void PixelOutputs::Require(std::vector<PrimitiveTraits>& traits) const {
   for (PrimitiveTraits& of_primitive : traits) of_primitive.needs_position = true;
 }
 
-void PixelOutputs::Write(std::span<const PixelPair> pairs, uint64_t total, double instants,
+void PixelOutputs::Write(std::span<const SeenPair> pairs, uint64_t total, double instants,
                          std::span<float> out, RenderStats& stats) const {
   SL_CHECK(int(out.size()) == channels_);
   const FrameScene& frame = shader_.frame();
@@ -121,7 +121,7 @@ void PixelOutputs::Write(std::span<const PixelPair> pairs, uint64_t total, doubl
   std::vector<std::pair<int, uint64_t>> objects, materials;
   double nearest = std::numeric_limits<double>::infinity();
   uint64_t covered = 0;
-  for (const PixelPair& pair : pairs) {
+  for (const auto& [pair, openness] : pairs) {
     covered += pair.weight;
     const FramePrimitive& primitive = frame.primitives[frame.triangles[pair.triangle].primitive];
     objects.emplace_back(primitive.node, pair.weight);
@@ -137,8 +137,9 @@ void PixelOutputs::Write(std::span<const PixelPair> pairs, uint64_t total, doubl
     nearest = std::min(nearest, sample.depth);
     sample.position = frame.view.world_position + frame.view.WorldFromView(middle);
     if (Has(Aov::kMotion)) sample.motion = MotionOf(frame, pair.triangle, at);
-    if (Has(Aov::kAmbientOcclusion))
-      sample.open = double(texels_.Shade(pair.triangle, at, t, stats).openness);
+    if (Has(Aov::kAmbientOcclusion)) {
+      sample.open = double(openness ? *openness : texels_.Shade(pair.triangle, at, t, stats).openness);
+    }
     if (!needs_surface_) continue;
     const Surface surface =
         shader_.SurfaceOf(pair.triangle, at, PixelFootprintAt(frame, pair.triangle, at, t));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,12 @@
 #include "worker/engine/visibility/pair_weights.h"
 
 namespace shutterline::engine {
+
+/// A triangle that is visible in a pixel, and what shading has found out about it already.
+struct SeenPair {
+  PixelPair pair;
+  std::optional<float> openness;
+};
 
 /// What a pixel holds beside its colour: the AOVs and mattes that the settings ask for, made of the weights
 /// with which triangles are visible in it and, like shading, of where their points are at mid-shutter.
@@ -33,7 +40,7 @@ class PixelOutputs {
   /// A pixel whose visible triangles are `pairs`, in any order; several may be of one triangle. `total`: the
   /// weight of the whole pixel. `instants`: the number of instants of a line, on average. Writes channels()
   /// floats.
-  void Write(std::span<const PixelPair> pairs, uint64_t total, double instants, std::span<float> out,
+  void Write(std::span<const SeenPair> pairs, uint64_t total, double instants, std::span<float> out,
              RenderStats& stats) const;
 
  private:

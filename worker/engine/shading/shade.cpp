@@ -26,7 +26,8 @@ absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame, c
   return Shader(std::move(frame), std::move(lighting), std::move(occlusion));
 }
 
-Shaded Shader::ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+Shaded Shader::ShadeUnder(const AmbientOcclusion* occlusion, uint32_t triangle, const Barycentric& at,
+                          const Footprint& footprint) const {
   const FrameTriangle& corners = frame_->triangles[triangle];
   const FramePrimitive& primitive = frame_->primitives[corners.primitive];
   if (primitive.material->unlit) {
@@ -34,7 +35,7 @@ Shaded Shader::ShadeFully(uint32_t triangle, const Barycentric& at, const Footpr
     return {.radiance = V3f(V3d(color.x, color.y, color.z)), .openness = 1};
   }
   Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
-  const double openness = occlusion_ == nullptr ? 1 : occlusion_->At(triangle, at.b1, at.b2);
+  const double openness = occlusion == nullptr ? 1 : occlusion->At(triangle, at.b1, at.b2);
   surface.occlusion *= openness;
   const V3d reflected =
       lighting_.head_light ? ReflectHeadLight(surface) : Reflect(frame_->view, lighting_, surface);

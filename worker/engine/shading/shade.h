@@ -41,7 +41,13 @@ class Shader {
     return ShadeFully(triangle, at, footprint).radiance;
   }
   /// The same with all that comes along.
-  Shaded ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
+  Shaded ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+    return ShadeUnder(occlusion_.get(), triangle, at, footprint);
+  }
+  /// Radiance as if nothing occluded the surroundings: where a guess will do.
+  V3f ShadeInTheOpen(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+    return ShadeUnder(nullptr, triangle, at, footprint).radiance;
+  }
 
   /// What Shade shades.
   Surface SurfaceOf(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
@@ -66,6 +72,8 @@ class Shader {
   const FrameScene& frame() const { return *frame_; }
 
  private:
+  Shaded ShadeUnder(const AmbientOcclusion* occlusion, uint32_t triangle, const Barycentric& at,
+                    const Footprint& footprint) const;
   bool IsGlossy(const Material& material) const;
   void MakeLayer(const FramePrimitive& primitive, PrimitiveTraits& traits) const;
 

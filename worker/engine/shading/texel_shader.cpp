@@ -19,9 +19,9 @@ TexelShader::TexelShader(const Shader& shader, const RenderSettings& settings,
       propagates_(settings.cache_propagate),
       cache_(std::move(cache)) {
   for (const FramePrimitive& primitive : shader.frame().primitives) {
-    const bool is_dear = shader.IsDear(*primitive.material);
-    const bool is_shared = sharing == Sharing::kMovingAndDear && primitive.degree > 0;
-    has_texels_.push_back(settings.shading_rate || is_shared || is_dear);
+    const bool is_shared =
+        sharing == Sharing::kMoving ? primitive.degree > 0 : shader.IsDear(*primitive.material);
+    has_texels_.push_back(settings.shading_rate || is_shared);
     textured_.push_back(IsTextured(shader.frame(), primitive));
   }
 }

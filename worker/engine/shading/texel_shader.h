@@ -18,8 +18,8 @@ namespace shutterline::engine {
 
 /// Shades points of a frame's triangles, through texels and the cache where settings ask for a shading rate,
 /// or where many points may share a shading: where something moves, so that a place on it is seen in many
-/// pixels, and where a shading is dear because of ambient occlusion. There a point's radiance is that of its
-/// texel's centre, with the footprint of a pixel there at mid-shutter; elsewhere it is its own. Thread-safe.
+/// pixels. There a point's radiance is that of its texel's centre, with the footprint of a pixel there at
+/// mid-shutter; elsewhere it is its own. Thread-safe.
 class TexelShader {
  public:
   /// What the texels of a triangle have in common.
@@ -29,13 +29,13 @@ class TexelShader {
     TexelLevelsOfTriangle levels;
   };
 
-  /// What has texels though no rate is asked for.
-  enum class Sharing { kMovingAndDear, kDear };
+  /// What has texels though no rate is asked for: what moves, or what takes long (Shader::IsDear).
+  enum class Sharing { kMoving, kDear };
 
   /// `shader` must outlive it. `cache` may be null: texels are then shaded whenever they are asked for, and
   /// pictures are the same.
   TexelShader(const Shader& shader, const RenderSettings& settings, std::shared_ptr<ShadingCache> cache,
-              Sharing sharing = Sharing::kMovingAndDear);
+              Sharing sharing = Sharing::kMoving);
 
   /// Does a triangle have texels?
   bool HasTexels(uint32_t triangle) const {
