@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/stability/hard_case.h"
+#include "tests/support/rounds.h"
 
 namespace shutterline::engine::hard_case {
 namespace {
@@ -63,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Resolvers, ClosedMeshes, testing::Values(ResolverKind::
 TEST_P(ClosedMeshes, Row21ClosedMeshCoversExactly) {
   // A closed mesh that surrounds the camera leaves no background: not one unit of weight is missing. Every
   // third mesh is also torn apart into separate vertices in random order, as glTF files have at seams.
-  for (uint64_t seed = 1; seed <= 32; ++seed) {
+  for (uint64_t seed = 1; seed <= uint64_t(Rounds(32)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -103,7 +104,7 @@ TEST_P(ClosedMeshes, Row21ClosedMeshCoversExactly) {
 TEST_P(ClosedMeshes, Row21NoDoubleCover) {
   // The same meshes seen from outside: with their back sides culled or not, coverage is the silhouette's
   // and never exceeds one; sums are integers, so this is exact.
-  for (uint64_t seed = 1; seed <= 16; ++seed) {
+  for (uint64_t seed = 1; seed <= uint64_t(Rounds(16)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const ClosedMesh mesh = RandomClosedMesh(seed);
     FrameSceneBuilder builder(PerspectiveView(64, 64, 0.8, 0.01));

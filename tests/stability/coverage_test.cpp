@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/stability/hard_case.h"
+#include "tests/support/rounds.h"
 
 namespace shutterline::engine::hard_case {
 namespace {
@@ -61,7 +62,7 @@ TEST_P(Coverage, Row07SharedEdgeOnTheLine) {
 }
 
 TEST_P(Coverage, Row08FanVertexOnTheLine) {
-  for (uint64_t seed = 1; seed <= 32; ++seed) {
+  for (uint64_t seed = 1; seed <= uint64_t(Rounds(32)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);

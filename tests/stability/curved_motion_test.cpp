@@ -4,6 +4,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 #include "tests/stability/hard_case.h"
+#include "tests/support/rounds.h"
 
 namespace shutterline::engine::hard_case {
 namespace {
@@ -115,7 +116,7 @@ TEST_P(CurvedMotion, Row30FromKeys) {
 TEST_P(CurvedMotion, ClosedMeshesOnCurvesCoverExactly) {
   // A square cut into a fan of triangles about an inner vertex, all on random curves, whose border stands
   // still and holds the pixel: whatever the inside does, the weights add up to one, to the last bit.
-  for (unsigned seed = 0; seed < 64; ++seed) {
+  for (unsigned seed = 0; seed < unsigned(Rounds(64)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);

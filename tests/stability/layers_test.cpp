@@ -7,6 +7,7 @@
 
 #include "tests/support/frame_scene_builder.h"
 #include "tests/support/render_tiles.h"
+#include "tests/support/rounds.h"
 #include "worker/engine/render/tile_integrator.h"
 
 namespace shutterline::engine {
@@ -163,7 +164,7 @@ TEST(Layers, ALayerThatPassesDimsForAsLongAsItPasses) {
 
 /// Random soups of triangles, layers among them, some moving: lines and rays see the same.
 TEST(Layers, LinesAgreeWithRays) {
-  for (uint32_t seed = 1; seed <= 12; ++seed) {
+  for (uint32_t seed = 1; seed <= uint32_t(Rounds(12)); ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform;
     FrameSceneBuilder scene(PerspectiveView(kSide, kSide));

@@ -15,6 +15,7 @@
 #include "common/image/image.h"
 #include "common/job/output_channels.h"
 #include "tests/support/frame_scene_builder.h"
+#include "tests/support/rounds.h"
 #include "worker/engine/render/tile_integrator.h"
 
 namespace shutterline::engine {
@@ -108,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, MattesOf, testing::Bool(),
                          });
 
 TEST_P(MattesOf, MovingObjectsMatchRendersOfThemAlone) {
-  for (uint32_t seed = 1; seed <= 4; ++seed) {
+  for (uint32_t seed = 1; seed <= uint32_t(Rounds(4)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     constexpr int kCount = 9;
     const Image mattes = Render(Objects(seed, kCount, GetParam(), -1), Mattes());
@@ -129,7 +130,7 @@ TEST_P(MattesOf, MovingObjectsMatchRendersOfThemAlone) {
 }
 
 TEST_P(MattesOf, CoveragesAddUpToAlpha) {
-  for (uint32_t seed = 11; seed <= 20; ++seed) {
+  for (uint32_t seed = 11; seed < 11 + uint32_t(Rounds(10)); ++seed) {
     RenderStats stats;
     const Image image = Render(Objects(seed, 30, GetParam(), -1), Mattes(), &stats);
     for (int y = 0; y < kSide; ++y) {
