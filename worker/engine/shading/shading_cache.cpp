@@ -48,14 +48,14 @@ absl::StatusOr<std::shared_ptr<ShadingCache>> ShadingCache::Create(size_t bytes)
 }
 
 uint32_t ShadingCache::OpenFrame() {
-  const absl::MutexLock lock(&mutex_);
+  const std::lock_guard lock(mutex_);
   SL_CHECK(next_frame_ < std::numeric_limits<uint32_t>::max());
   open_.insert(next_frame_);
   return uint32_t(next_frame_++);
 }
 
 void ShadingCache::CloseFrame(uint32_t frame) {
-  const absl::MutexLock lock(&mutex_);
+  const std::lock_guard lock(mutex_);
   open_.erase(frame);
   oldest_open_.store(open_.empty() ? next_frame_ : *open_.begin(), std::memory_order_release);
 }

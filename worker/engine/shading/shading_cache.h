@@ -1,13 +1,12 @@
 #pragma once
 
-#include <absl/base/thread_annotations.h>
 #include <absl/status/statusor.h>
-#include <absl/synchronization/mutex.h>
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <utility>
 
@@ -78,9 +77,9 @@ class ShadingCache {
   const Entries entries_;
 
   std::atomic<uint64_t> oldest_open_ = 1;  ///< No frame below is open.
-  absl::Mutex mutex_;
-  uint64_t next_frame_ ABSL_GUARDED_BY(mutex_) = 1;
-  std::set<uint64_t> open_ ABSL_GUARDED_BY(mutex_);
+  std::mutex mutex_;                       // The thread sanitizer sees through this one.
+  uint64_t next_frame_ = 1;                // Guarded by mutex_.
+  std::set<uint64_t> open_;                // Likewise.
 };
 
 /// A frame that is open as long as this lives.
