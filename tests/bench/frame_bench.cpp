@@ -9,6 +9,7 @@
 #include "common/image/exr.h"
 #include "common/image/metrics.h"
 #include "common/image/png.h"
+#include "tests/bench/or_exit.h"
 #include "tests/support/engine_frame.h"
 
 namespace shutterline::engine {
@@ -33,15 +34,6 @@ struct Options {
   bool flat = false;
 };
 
-template <typename T>
-T OrExit(absl::StatusOr<T> value) {
-  if (!value.ok()) {
-    std::fprintf(stderr, "frame_bench: %s\n", std::string(value.status().message()).c_str());
-    std::exit(1);
-  }
-  return *std::move(value);
-}
-
 void PrintStages(const char* name, const RenderedFrame& f) {
   const RenderStats& s = f.stats;
   std::printf(
@@ -58,7 +50,7 @@ void PrintStages(const char* name, const RenderedFrame& f) {
 
 void PrintError(const char* name, const Image& image, const Image& a, const Image& b,
                 const MovingMasks& moving) {
-  const UnbiasedError whole = OrExit(MeasureUnbiasedError(image, a, b));
+  const UnbiasedError whole = bench::OrExit(MeasureUnbiasedError(image, a, b));
   std::printf("%-24s whole frame: %s\n", name, whole.ToString().c_str());
   for (const auto& [mask, what] :
        {std::pair(&moving.region, "moving region"), {&moving.changed, "changed by motion"}}) {
@@ -79,7 +71,7 @@ FrameOptions HowToRender(const Options& options) {
 
 int Run(const Options& options) {
   const FrameOptions how = HowToRender(options);
-  std::shared_ptr<const Scene> scene = OrExit(LoadTestScene(options.scene));
+  std::shared_ptr<const Scene> scene = bench::OrExit(LoadTestScene(options.scene));
   if (options.flat) scene = WithFlatColors(*scene);
   RenderSettings settings;
   settings.width = options.width;
@@ -101,14 +93,14 @@ int Run(const Options& options) {
   if (options.only_reference > 0) {
     settings.integrator = IntegratorKind::kReference;
     settings.spp = options.only_reference;
-    const RenderedFrame f = OrExit(RenderFrame(scene, options.frame, settings, how));
+    const RenderedFrame f = bench::OrExit(RenderFrame(scene, options.frame, settings, how));
     PrintStages("reference", f);
     if (!options.save.empty()) (void)WritePng(options.save + ".png", f.image);
     return 0;
   }
   RenderedFrame line;
   for (int i = 0; i < options.repeats; ++i) {
-    line = OrExit(RenderFrame(scene, options.frame, settings, how));
+    line = bench::OrExit(RenderFrame(scene, options.frame, settings, how));
     PrintStages("line", line);
   }
   for (const std::string& warning : line.warnings) std::printf("warning: %s\n", warning.c_str());
@@ -123,11 +115,11 @@ int Run(const Options& options) {
   reference.integrator = IntegratorKind::kReference;
   reference.spp = options.half_spp;
   reference.seed = 101;
-  const RenderedFrame a = OrExit(RenderFrame(scene, options.frame, reference, how));
+  const RenderedFrame a = bench::OrExit(RenderFrame(scene, options.frame, reference, how));
   reference.seed = 202;
-  const RenderedFrame b = OrExit(RenderFrame(scene, options.frame, reference, how));
+  const RenderedFrame b = bench::OrExit(RenderFrame(scene, options.frame, reference, how));
   PrintStages("reference, one half", a);
-  const auto moving = OrExit(MaskMotion(scene, options.frame, settings, how));
+  const auto moving = bench::OrExit(MaskMotion(scene, options.frame, settings, how));
   PrintError("line", line.image, a.image, b.image, moving);
   if (!options.save.empty()) (void)WritePng(options.save + "_reference.png", a.image);
   struct Rival {
@@ -148,7 +140,7 @@ int Run(const Options& options) {
     for (const int spp : ladder) {
       rival.spp = spp;
       const std::clock_t start = std::clock();
-      const RenderedFrame frame = OrExit(RenderFrame(scene, options.frame, rival, how));
+      const RenderedFrame frame = bench::OrExit(RenderFrame(scene, options.frame, rival, how));
       const double cpu_seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
       const std::string name = std::string(what) + ", " + std::to_string(spp) + " spp";
       PrintStages(name.c_str(), frame);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "tests/bench/or_exit.h"
 #include "tests/support/engine_frame.h"
 #include "tests/support/line_weights.h"
 #include "worker/engine/accel/bvh.h"
@@ -17,15 +18,6 @@
 
 namespace shutterline::engine {
 namespace {
-
-template <typename T>
-T OrExit(absl::StatusOr<T> value) {
-  if (!value.ok()) {
-    std::fprintf(stderr, "kernel_bench: %s\n", std::string(value.status().message()).c_str());
-    std::exit(1);
-  }
-  return *std::move(value);
-}
 
 /// A tile in the middle of the frame, set up; made once for each scene.
 struct Prepared {
@@ -42,8 +34,9 @@ const Prepared& Prepare(int64_t which) {
   auto& p = prepared[size_t(which)];
   if (p) return *p;
   p = std::make_unique<Prepared>();
-  p->frame_scene = OrExit(BuildFrameScene(OrExit(LoadTestScene(which == 0 ? "chess" : "trees")), 0, {}));
-  p->bvh = OrExit(Bvh::Build(p->frame_scene, 1));
+  p->frame_scene =
+      bench::OrExit(BuildFrameScene(bench::OrExit(LoadTestScene(which == 0 ? "chess" : "trees")), 0, {}));
+  p->bvh = bench::OrExit(Bvh::Build(p->frame_scene, 1));
   p->traits.resize(p->frame_scene->primitives.size());
   p->bvh->CollectVisible(p->rect, p->candidates);
   SetUpTile(*p->frame_scene, p->traits, LinePattern::Get(PatternKind::kRgls), p->rect, p->candidates,

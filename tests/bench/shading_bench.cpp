@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/job/tile.h"
+#include "tests/bench/or_exit.h"
 #include "tests/scenes/scene_generators.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
@@ -24,15 +25,6 @@ namespace {
 constexpr double kMidShutter = 0.5;
 /// One tile in so many is looked at.
 constexpr size_t kTiles = 11;
-
-template <typename T>
-T OrExit(absl::StatusOr<T> value) {
-  if (!value.ok()) {
-    std::fprintf(stderr, "kernel_bench: %s\n", std::string(value.status().message()).c_str());
-    std::exit(1);
-  }
-  return *std::move(value);
-}
 
 struct SeenPoint {
   double depth = 0;
@@ -91,11 +83,11 @@ const Prepared& Prepare(int64_t shuffled) {
     RenderSettings settings;
     scenes::SceneOptions options;
     options.textured = true;
-    const auto glb = OrExit(scenes::GenerateGlb("chess", options));
-    const auto scene = OrExit(ImportGltf(MemoryAssetSource("chess.glb", {{"chess.glb", glb}})));
-    const auto frame = OrExit(BuildFrameScene(scene, 0, settings));
+    const auto glb = bench::OrExit(scenes::GenerateGlb("chess", options));
+    const auto scene = bench::OrExit(ImportGltf(MemoryAssetSource("chess.glb", {{"chess.glb", glb}})));
+    const auto frame = bench::OrExit(BuildFrameScene(scene, 0, settings));
     Prepared p;
-    p.shader = std::make_unique<Shader>(OrExit(Shader::Create(frame, settings)));
+    p.shader = std::make_unique<Shader>(bench::OrExit(Shader::Create(frame, settings)));
     const int columns = frame->view.width, rows = frame->view.height;
     std::vector<SeenPoint> picture(size_t(columns) * size_t(rows));
     for (uint32_t i = 0; i < frame->triangles.size(); ++i) Draw(*frame, i, columns, rows, picture);
