@@ -34,10 +34,7 @@ bool SampleOrder(const Sample& a, const Sample& b) {
 }
 
 RasterPoint PointAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t) {
-  const FrameTriangle& corners = frame.triangles[triangle];
-  const FramePrimitive& primitive = frame.primitives[corners.primitive];
-  std::array<RasterPoint, 3> p;
-  for (size_t k = 0; k < 3; ++k) p[k] = frame.VertexAt(primitive, corners.vertices[k], t);
+  const std::array<RasterPoint, 3> p = CornersAt(frame, triangle, t);
   return p[0] + (at.b1 * (p[1] - p[0]) + at.b2 * (p[2] - p[0]));
 }
 

@@ -4,6 +4,14 @@
 
 namespace shutterline::engine {
 
+std::array<RasterPoint, 3> CornersAt(const FrameScene& frame, uint32_t triangle, double t) {
+  const FrameTriangle& source = frame.triangles[triangle];
+  const FramePrimitive& primitive = frame.primitives[source.primitive];
+  std::array<RasterPoint, 3> corners;
+  for (size_t k = 0; k < 3; ++k) corners[k] = frame.VertexAt(primitive, source.vertices[k], t);
+  return corners;
+}
+
 Footprint PixelFootprint(const std::array<RasterPoint, 3>& vertices, const Barycentric& at) {
   const RasterPoint edge1 = vertices[1] - vertices[0];
   const RasterPoint edge2 = vertices[2] - vertices[0];
@@ -27,11 +35,7 @@ Footprint PixelFootprint(const std::array<RasterPoint, 3>& vertices, const Baryc
 }
 
 Footprint PixelFootprintAt(const FrameScene& frame, uint32_t triangle, const Barycentric& at, double t) {
-  const FrameTriangle& corners = frame.triangles[triangle];
-  const FramePrimitive& primitive = frame.primitives[corners.primitive];
-  std::array<RasterPoint, 3> vertices;
-  for (size_t i = 0; i < 3; ++i) vertices[i] = frame.VertexAt(primitive, corners.vertices[i], t);
-  return PixelFootprint(vertices, at);
+  return PixelFootprint(CornersAt(frame, triangle, t), at);
 }
 
 }  // namespace shutterline::engine

@@ -8,6 +8,9 @@
 
 namespace shutterline::engine {
 
+/// The corners of a triangle of the frame at shutter time t, in homogeneous raster space.
+std::array<RasterPoint, 3> CornersAt(const FrameScene& frame, uint32_t triangle, double t);
+
 /// How barycentric coordinates change from pixel to pixel at a point of a projected triangle, `vertices`
 /// in homogeneous raster space: the inverse of the Jacobian of raster position with respect to (b1, b2).
 /// Zeros where the triangle is seen edge-on, so that it has no such inverse, or the point is not in

@@ -27,14 +27,8 @@ TexelShader::TexelShader(const Shader& shader, const RenderSettings& settings,
 }
 
 TexelShader::Triangle TexelShader::TriangleOf(uint32_t triangle) const {
-  const FrameScene& frame = shader_.frame();
-  const FrameTriangle& source = frame.triangles[triangle];
-  Triangle made{.number = triangle, .corners = {}, .levels = {}};
-  for (size_t k = 0; k < 3; ++k) {
-    made.corners[k] = frame.VertexAt(frame.primitives[source.primitive], source.vertices[k], kMidShutter);
-  }
-  made.levels = TexelLevelsOfTriangle(made.corners, rate_);
-  return made;
+  const std::array<RasterPoint, 3> corners = CornersAt(shader_.frame(), triangle, kMidShutter);
+  return {.number = triangle, .corners = corners, .levels = TexelLevelsOfTriangle(corners, rate_)};
 }
 
 std::optional<Texel> TexelShader::TexelOf(const Triangle& triangle, const Barycentric& at) const {
