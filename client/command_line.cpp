@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/human.h"
+#include "client/template_file.h"
 #include "common/base/build_id.h"
 
 namespace shutterline::client {
@@ -56,9 +57,22 @@ int RunCommandLine(const std::vector<std::string>& arguments, const std::vector<
     console.err << app->help();
     return static_cast<int>(ExitCode::kUsage);
   }
+  std::vector<std::string> words = arguments;
+  const std::vector<const CLI::App*> named = std::as_const(*app).get_subcommands(
+      [&](const CLI::App* a) { return a->get_name() == arguments.front(); });
+  if (!named.empty()) {
+    absl::StatusOr<std::vector<std::string>> expanded =
+        ExpandTemplate(*named.front(), {arguments.begin() + 1, arguments.end()});
+    if (!expanded.ok()) {
+      PrintError(console, expanded.status().message());
+      return static_cast<int>(ExitCode::kUsage);
+    }
+    words = *std::move(expanded);
+    words.insert(words.begin(), arguments.front());
+  }
   try {
     // CLI11 takes them from the end.
-    app->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    app->parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     console.out << app->help();  // Of the command that was named, if one was.
     return static_cast<int>(ExitCode::kSuccess);

@@ -9,6 +9,7 @@
 #include "client/frame_range.h"
 #include "client/parse.h"
 #include "client/parse_outputs.h"
+#include "client/template_file.h"
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 
@@ -317,6 +318,11 @@ void AddSceneArgument(CLI::App& app, std::string& scene) {
 
 void AddJobOptions(CLI::App& app, JobOptions& options) {
   AddSceneArgument(app, options.scene);
+  // RunCommandLine has put the template's options among the arguments by the time they are parsed.
+  AddValue(app, kTemplateOption, "FILE", "",
+           "Options that many jobs share, one a line, as in size = 1920x1080;\n"
+           "those given here overrule it",
+           [](const std::string&) { return absl::OkStatus(); });
   AddOutputOption(app, options.output,
                   "Where frames go; #### stands for the frame's number.\nWithout #s, several frames are "
                   "numbered before .exr");
