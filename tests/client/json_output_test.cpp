@@ -3,6 +3,7 @@
 #include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -53,10 +54,11 @@ TEST(JsonOutput, BytesThatAreNoTextDoNotBreakADocument) {
   job.mutable_spec()->set_name("a\xff\"b\n");
   std::ostringstream out;
   Print(ToJson(job), out, /*one_line=*/true);
-  const Json back = Json::parse(out.str(), nullptr, /*allow_exceptions=*/false);
+  const std::string text = out.str();
+  const Json back = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   ASSERT_FALSE(back.is_discarded());
   EXPECT_EQ(back["name"], "a\xEF\xBF\xBD\"b\n");
-  EXPECT_EQ(std::count(out.str().begin(), out.str().end(), '\n'), 1);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
 }
 
 }  // namespace
