@@ -5,6 +5,7 @@
 #include <absl/time/time.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <variant>
@@ -58,7 +59,8 @@ struct TileReport {
   std::string pixels;   ///< Unless it failed: little-endian floats.
   std::string failure;  ///< Where it failed: why.
   absl::Duration render_time;
-  RenderStats stats;  ///< Zeros where the worker measured nothing.
+  RenderStats stats;        ///< Zeros where the worker measured nothing.
+  absl::Duration received;  ///< When it arrived, by the monotonic clock; ResultCommitter sets it.
 };
 
 enum class ReportOutcome { kStored, kDuplicate, kMismatch, kUnwanted, kRefused };
@@ -100,6 +102,16 @@ struct WorkerSnapshot {
   bool draining = false;
   int64_t leased_tiles = 0, tiles_done = 0;
   absl::Duration tile_time, silent;
+};
+
+/// The farm as a whole, at a moment.
+struct FarmTotals {
+  int64_t workers = 0, slots = 0, draining_workers = 0;
+  std::map<JobState, int64_t> jobs;  ///< Those that have not ended.
+  int64_t queued_tiles = 0, leased_tiles = 0;
+  int64_t remaining_tiles = 0;   ///< Queued and leased, of all jobs.
+  double remaining_seconds = 0;  ///< Thread time of those of them whose job has been measured.
+  int64_t unmeasured_tiles = 0;  ///< Of them, tiles of jobs none of whose tiles has come back.
 };
 
 /// Hears that a job has changed. Called under the farm's mutex: must return at once and not call back.

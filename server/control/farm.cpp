@@ -7,6 +7,7 @@
 #include "common/base/status_macros.h"
 #include "server/assemble/frame_assembler.h"
 #include "server/files/file.h"
+#include "server/jobs/job_state_words.h"
 
 namespace shutterline::server {
 namespace {
@@ -23,26 +24,16 @@ SchedulerOptions OptionsOf(const Config& config) {
   return options;
 }
 
-absl::string_view WordOf(JobState state) {
-  switch (state) {
-    case JobState::kQueued:
-      return "queued";
-    case JobState::kRunning:
-      return "running";
-    case JobState::kSucceeded:
-      return "succeeded";
-    case JobState::kFailed:
-      return "failed";
-    case JobState::kCancelled:
-      return "cancelled";
-  }
-  return "unknown";
+FarmObserver& Nobody() {
+  static auto* const nobody = new FarmObserver();
+  return *nobody;
 }
 
 }  // namespace
 
 Farm::Farm(Parts parts)
     : parts_(std::move(parts)),
+      observer_(parts_.observer != nullptr ? *parts_.observer : Nobody()),
       scheduler_(*parts_.clock, OptionsOf(parts_.config)),
       registry_(parts_.identity),
       // Numbers of a later epoch are larger than any of an earlier one: an epoch would need 2^40 changes.
@@ -131,7 +122,9 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
     absl::MutexLock lock(&mutex_);
     if (HasEnded(job->state())) return absl::OkStatus();
     job->ending = true;
-    Revoke(scheduler_.RemoveJob(job->key()));
+    const std::vector<EndedLease> revoked = scheduler_.RemoveJob(job->key());
+    observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(revoked.size()));
+    Revoke(revoked);
   }
   const absl::Time now = parts_.clock->Wall();
   const absl::Status stored = parts_.store->End(job->key(), state, error, now);
@@ -143,6 +136,7 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
   parts_.journal->DropJob(job->key());
   absl::MutexLock lock(&mutex_);
   job->End(state, error, now, NextSeq());
+  observer_.OnJobEnded(job->id(), state);
   for (auto& [id, session] : sessions_) {
     if (session.announced.erase(job->id()) > 0 && session.sink != nullptr)
       session.sink->Send(JobForgotten{job->id()});
@@ -151,7 +145,8 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
   ended_.push_back(job->id());
   ForgetOldJobs();
   Pump();
-  spdlog::info("job ended job={} state={} error={}", job->id(), std::string(WordOf(state)), LogValue(error));
+  spdlog::info("job ended job={} state={} error={}", job->id(), std::string(JobStateWord(state)),
+               LogValue(error));
   return absl::OkStatus();
 }
 
@@ -198,6 +193,7 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
     if (job->ending) return;
     finished.stats = job->Frame(index).stats;  // All its tiles have come.
   }
+  const absl::Duration began = parts_.clock->Monotonic();
   const std::string path = FramePath(*job, index);
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/'))));
@@ -233,6 +229,7 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
     }
     job->FrameFinished(index, finished, NextSeq(), NextSeq());
     all_finished = job->AllFinished();
+    observer_.OnFrameWritten({job->id(), number, frame->size, began, parts_.clock->Monotonic()});
     spdlog::info("frame finished job={} frame={} bytes={}", job->id(), number, frame->size);
   }
   parts_.journal->DropFrame({job->key(), index});
@@ -247,6 +244,7 @@ void Farm::Tick() {
     if (!expired.leases.empty()) {
       spdlog::warn("leases ran out leases={} workers_lost={}", expired.leases.size(), expired.workers.size());
     }
+    observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kExpired, int64_t(expired.leases.size()));
     Revoke(expired.leases);
     for (const WorkerId worker : expired.workers)
       DropWorker(worker, absl::AbortedError("the session is over"));

@@ -22,6 +22,7 @@
 #include "server/config/config.h"
 #include "server/control/events.h"
 #include "server/control/live_job.h"
+#include "server/control/observer.h"
 #include "server/control/work_pool.h"
 #include "server/jobs/job_store.h"
 #include "server/schedule/tile_scheduler.h"
@@ -45,6 +46,7 @@ class Farm {
     std::string frames_folder;
     uint64_t epoch = 0;
     CoordinatorIdentity identity;
+    FarmObserver* observer = nullptr;  ///< Hears what happens; may be null.
     /// Whether a job's scene can be rendered; called without locks, may take long.
     std::function<absl::Status(const JobSpec&, AssetStore&)> check_scene;
     /// What the mattes of a job are named after; likewise.
@@ -65,11 +67,29 @@ class Farm {
   /// The finished frame and its file.
   absl::StatusOr<std::pair<FrameSnapshot, std::string>> FindFrame(const std::string& job_id, int frame);
   std::vector<WorkerSnapshot> Workers();
+  FarmTotals Totals();
+  /// Up to `limit` jobs in memory that changed after `seq`, longest unchanged first, each with the number of
+  /// its change; frames apart. Numbers grow over restarts.
+  std::vector<std::pair<uint64_t, JobSnapshot>> ChangedJobs(uint64_t seq, size_t limit);
+  /// The number of the latest change.
+  uint64_t LastSeq();
+  struct FrameView {
+    std::shared_ptr<const JobSpec> spec;
+    FrameSnapshot frame;
+    TileJournal::FrameKey key;  ///< Where the journal keeps its tiles, unless it is finished.
+    std::string path;           ///< Of the EXR, once it is finished.
+  };
+  absl::StatusOr<FrameView> ViewFrame(const std::string& job_id, int frame);
+  /// Up to `limit` frames from index `first` on.
+  absl::StatusOr<std::vector<FrameSnapshot>> Frames(const std::string& job_id, int64_t first, int64_t limit);
 
   absl::Status AddWatcher(const std::string& job_id, JobWatcher* watcher);
   void RemoveWatcher(const std::string& job_id, JobWatcher* watcher);
   /// The first change of a watched job after `seq`; none: `ended` says whether there will be another.
   std::optional<JobChange> NextChange(const std::string& job_id, uint64_t seq, bool& ended);
+
+  FarmObserver& observer() { return observer_; }
+  const Clock& clock() const { return *parts_.clock; }
 
   // --- Workers (farm_workers.cpp). None uses the disk. --------------------------------------------------
   uint64_t epoch() const { return parts_.epoch; }
@@ -142,6 +162,7 @@ class Farm {
   };
 
   const Parts parts_;
+  FarmObserver& observer_;  ///< Somebody who hears nothing, where nobody else was given.
   absl::Mutex end_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  ///< Serialises EndJob.
   absl::Mutex mutex_;
   TileScheduler scheduler_ ABSL_GUARDED_BY(mutex_);

@@ -110,6 +110,7 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
   jobs_[job->id()] = by_key_[job->key()] = job;
   const TileGrid grid = job->grid();
   scheduler_.AddJob(job->key(), job->frame_count(), grid.Columns(), grid.Rows());
+  observer_.OnJobAccepted(job->id());
   spdlog::info("job accepted job={} name={} frames={} tiles={} workers={}", job->id(), LogValue(spec.name),
                job->frame_count(), job->snapshot().tiles_total, sessions_.size());
   Pump();

@@ -80,6 +80,9 @@ void Farm::Apply(const std::vector<Result>& results) {
       }
       if (worker != nullptr) ++worker->tiles_done;
       job->TileDone(at.frame, result.report->stats, NextSeq(), NextSeq());
+      observer_.OnTileStored({job->id(), result.report->frame, at.tile, result.worker,
+                              result.report->received, parts_.clock->Monotonic(),
+                              result.report->render_time});
       if (scheduler_.Find(at.job)->DoneInFrame(at.frame) == job->grid().Count())
         WriteFrameSoon(job, at.frame);
     }

@@ -100,7 +100,8 @@ void Farm::DropWorker(WorkerId id, const absl::Status& status) {
     sessions_.erase(session);
   }
   wanting_.erase(id);
-  scheduler_.RemoveWorker(id);
+  // A worker that left in order had nothing left, or gave it back so; one that started anew lost it.
+  observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kReturned, int64_t(scheduler_.RemoveWorker(id).size()));
   registry_.Remove(id);
 }
 
@@ -126,7 +127,7 @@ void Farm::Heartbeat(WorkerId id, const std::vector<LeaseId>& leases) {
 
 void Farm::ReturnLeases(WorkerId id, const std::vector<LeaseId>& leases) {
   absl::MutexLock lock(&mutex_);
-  scheduler_.Return(id, leases);
+  observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kReturned, scheduler_.Return(id, leases));
   Pump();
 }
 
@@ -173,6 +174,8 @@ bool Farm::GrantOne(WorkerEntry& worker) {
   }
   session->second.sink->Send(
       LeaseGranted{lease->id, job->id(), job->spec()->frames.Frame(lease->frame), lease->tiles});
+  observer_.OnGranted({lease->id, worker.id, worker.hello.uuid, worker.hello.name, job->id(),
+                       job->spec()->frames.Frame(lease->frame), lease->tiles, parts_.clock->Monotonic()});
   if (--worker.credit == 0) wanting_.erase(worker.id);
   return true;
 }

@@ -29,6 +29,7 @@ class LiveJob {
   /// As clients see it, but for the number of workers.
   const JobSnapshot& snapshot() const { return snapshot_; }
   FrameSnapshot Frame(int index) const;
+  uint64_t seq() const { return seq_; }  ///< Of the job's own last change.
   bool AllFinished() const { return snapshot_.frames_finished == snapshot_.frames_total; }
 
   /// Each is a change with its number; numbers grow.

@@ -3,12 +3,19 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "common/base/log.h"
 
 namespace shutterline::server {
+
+static_assert(int(ReportOutcome::kStored) == int(TileOutcome::kStored) &&
+              int(ReportOutcome::kDuplicate) == int(TileOutcome::kDuplicate) &&
+              int(ReportOutcome::kMismatch) == int(TileOutcome::kMismatch) &&
+              int(ReportOutcome::kUnwanted) == int(TileOutcome::kUnwanted) &&
+              int(ReportOutcome::kRefused) == int(TileOutcome::kRefused));
 
 ResultCommitter::ResultCommitter(Farm& farm, TileJournal& journal, absl::Duration interval, int enough_tiles)
     : farm_(farm), journal_(journal), interval_(interval), enough_tiles_(size_t(enough_tiles)) {
@@ -21,6 +28,8 @@ ResultCommitter::~ResultCommitter() {
 
 void ResultCommitter::Enqueue(WorkerId worker, std::vector<TileReport> tiles, Done done) {
   {
+    const absl::Duration now = farm_.clock().Monotonic();
+    for (TileReport& tile : tiles) tile.received = now;
     absl::MutexLock lock(&mutex_);
     if (!stopping_) {
       queued_tiles_ += tiles.size();
@@ -75,6 +84,15 @@ void ResultCommitter::Commit(std::deque<Batch> batches) {
     }
   }
   const absl::Status committed = journal_.Commit();
+  FarmObserver::Committed group{int64_t(results.size()), 0, absl::ZeroDuration(), !committed.ok()};
+  const absl::Duration durable = farm_.clock().Monotonic();
+  for (const Farm::Result& result : results) {
+    group.longest = std::max(group.longest, durable - result.report->received);
+    const bool stored = !result.report->failed && result.destination.refusal == ReportOutcome::kStored &&
+                        result.stored == TileJournal::Outcome::kStaged;
+    if (stored && committed.ok()) group.journal_bytes += int64_t(result.report->pixels.size());
+  }
+  farm_.observer().OnCommitted(group);
   if (!committed.ok()) {
     spdlog::error("results could not be stored tiles={} reason={}", reports.size(),
                   LogValue(committed.message()));
@@ -91,6 +109,9 @@ void ResultCommitter::Commit(std::deque<Batch> batches) {
       if (results[next].stored == TileJournal::Outcome::kDuplicate) outcome = ReportOutcome::kDuplicate;
       if (results[next].stored == TileJournal::Outcome::kMismatch) outcome = ReportOutcome::kMismatch;
       outcomes.push_back(outcome);
+      farm_.observer().OnTile(batch.tiles[i].failed && outcome == ReportOutcome::kStored
+                                  ? TileOutcome::kFailed
+                                  : TileOutcome(outcome));
     }
     batch.done(absl::OkStatus(), outcomes);
   }

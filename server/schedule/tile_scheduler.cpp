@@ -166,13 +166,17 @@ std::optional<Lease> TileScheduler::Grant(WorkerId id) {
   return std::nullopt;
 }
 
-void TileScheduler::Return(WorkerId id, const std::vector<LeaseId>& leases) {
+int64_t TileScheduler::Return(WorkerId id, const std::vector<LeaseId>& leases) {
   const auto found = workers_.find(id);
-  if (found == workers_.end()) return;
+  if (found == workers_.end()) return 0;
+  int64_t returned = 0;
   for (const LeaseId lease : leases) {
     const auto held = found->second.leases.find(lease);
-    if (held != found->second.leases.end()) EndLease(found->second, held->second);
+    if (held == found->second.leases.end()) continue;
+    EndLease(found->second, held->second);
+    ++returned;
   }
+  return returned;
 }
 
 void TileScheduler::Settle(JobKey job, int frame, uint32_t tile, LeaseId holder) {
@@ -287,6 +291,20 @@ int64_t TileScheduler::QueuedTiles() const {
   int64_t tiles = 0;
   for (const auto& [key, job] : jobs_) tiles += job.queue->queued();
   return tiles;
+}
+
+TileScheduler::Demand TileScheduler::Remaining() const {
+  Demand demand;
+  for (const auto& [key, job] : jobs_) {
+    demand.queued += job.queue->queued();
+    demand.remaining += job.queue->remaining();
+    if (job.tile_seconds <= 0) {
+      demand.unmeasured += job.queue->remaining();
+    } else {
+      demand.seconds += job.tile_seconds * double(job.queue->remaining());
+    }
+  }
+  return demand;
 }
 
 }  // namespace shutterline::server

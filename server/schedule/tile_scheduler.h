@@ -55,7 +55,8 @@ class TileScheduler {
   void Renew(WorkerId worker, const std::vector<LeaseId>& leases);
   /// The next lease for the worker; none if nothing is queued, or the worker is lost or silent for a TTL.
   std::optional<Lease> Grant(WorkerId worker);
-  void Return(WorkerId worker, const std::vector<LeaseId>& leases);
+  /// How many of them were this worker's.
+  int64_t Return(WorkerId worker, const std::vector<LeaseId>& leases);
 
   /// A tile is rendered and stored. False if it was done before, or its job is not scheduled.
   bool Complete(JobKey job, int frame, uint32_t tile, WorkerId worker, absl::Duration render_time);
@@ -75,6 +76,13 @@ class TileScheduler {
   /// Recent mean time of a tile of this worker, zero before the first.
   absl::Duration TileTime(WorkerId worker) const;
   int64_t QueuedTiles() const;
+  /// What is left of all jobs.
+  struct Demand {
+    int64_t queued = 0, remaining = 0;  ///< Tiles; remaining: queued and leased.
+    int64_t unmeasured = 0;             ///< Of the remaining ones: of jobs of which no tile has come back.
+    double seconds = 0;                 ///< Thread time of the others, at their jobs' recent times a tile.
+  };
+  Demand Remaining() const;
 
  private:
   struct Worker {
