@@ -22,3 +22,19 @@ endif()
 add_library(shutterline_embree INTERFACE)
 target_link_libraries(shutterline_embree INTERFACE embree)
 target_compile_definitions(shutterline_embree INTERFACE SHUTTERLINE_EMBREE_MAJOR=${embree_VERSION_MAJOR})
+
+# The HTTP library as Debian builds it: the definitions that its own sources were compiled with.
+find_path(SHUTTERLINE_HTTPLIB_INCLUDE httplib.h REQUIRED)
+find_library(SHUTTERLINE_HTTPLIB cpp-httplib REQUIRED)
+add_library(shutterline_httplib INTERFACE)
+target_include_directories(shutterline_httplib SYSTEM INTERFACE "${SHUTTERLINE_HTTPLIB_INCLUDE}")
+target_link_libraries(shutterline_httplib INTERFACE "${SHUTTERLINE_HTTPLIB}" OpenSSL::SSL Threads::Threads)
+target_compile_definitions(shutterline_httplib INTERFACE
+  CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
+
+# Metrics and their text format alone: the library's CMake package asks for its HTTP server's libraries, too.
+find_path(SHUTTERLINE_PROMETHEUS_INCLUDE prometheus/registry.h REQUIRED)
+find_library(SHUTTERLINE_PROMETHEUS prometheus-cpp-core REQUIRED)
+add_library(shutterline_prometheus INTERFACE)
+target_include_directories(shutterline_prometheus SYSTEM INTERFACE "${SHUTTERLINE_PROMETHEUS_INCLUDE}")
+target_link_libraries(shutterline_prometheus INTERFACE "${SHUTTERLINE_PROMETHEUS}")
