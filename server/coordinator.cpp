@@ -21,11 +21,17 @@
 #include "server/assemble/tile_journal.h"
 #include "server/assets/blob_scene_source.h"
 #include "server/assets/disk_asset_store.h"
+#include "server/assets/metrics_asset_store.h"
 #include "server/control/farm.h"
 #include "server/control/result_committer.h"
 #include "server/control/work_pool.h"
 #include "server/files/file.h"
+#include "server/http/http_server.h"
 #include "server/jobs/sqlite_job_store.h"
+#include "server/observe/metrics.h"
+#include "server/observe/observers.h"
+#include "server/observe/throughput.h"
+#include "server/observe/timeline.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/scene_names.h"
@@ -69,11 +75,13 @@ class Coordinator::Impl {
   absl::Status Start();
   void Shutdown(absl::Duration grace);
   int port() const { return port_; }
+  int http_port() const { return http_ == nullptr ? 0 : http_->port(); }
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
  private:
   absl::Status OpenStores();
   absl::Status StartServer();
+  absl::Status StartHttp();
   void TickUntilStopped();
 
   const Config config_;
@@ -83,7 +91,12 @@ class Coordinator::Impl {
   // In the order in which they depend on each other: freed from the last to the first.
   std::unique_ptr<SqliteJobStore> store_;
   std::unique_ptr<DiskAssetStore> assets_;
+  std::unique_ptr<MetricsAssetStore> counted_assets_;
   std::unique_ptr<TileJournal> journal_;
+  std::unique_ptr<Metrics> metrics_;
+  Timeline timeline_;
+  Throughput throughput_{clock_};
+  std::unique_ptr<Observers> observers_;
   std::unique_ptr<Farm> farm_;
   std::unique_ptr<WorkPool> frames_pool_, pool_, submit_pool_;
   std::unique_ptr<ResultCommitter> committer_;
@@ -91,6 +104,7 @@ class Coordinator::Impl {
   std::unique_ptr<AssetService> asset_service_;
   std::unique_ptr<WorkerService> worker_service_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<HttpServer> http_;
   int port_ = 0;
 
   std::thread ticker_;
@@ -120,6 +134,12 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.frames_pool = frames_pool_.get();
   parts.frames_folder = frames_folder;
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
+  metrics_ = std::make_unique<Metrics>(kBuildId, parts.epoch);
+  counted_assets_ = std::make_unique<MetricsAssetStore>(
+      *assets_, [this](uint64_t received, uint64_t sent) { metrics_->CountBlobBytes(received, sent); });
+  observers_ =
+      std::make_unique<Observers>(std::vector<FarmObserver*>{metrics_.get(), &timeline_, &throughput_});
+  parts.observer = observers_.get();
   parts.identity = identity_;
   parts.check_scene = CheckSubmittedScene;
   parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {
@@ -133,7 +153,7 @@ absl::Status Coordinator::Impl::StartServer() {
   committer_ =
       std::make_unique<ResultCommitter>(*farm_, *journal_, config_.commit_interval, config_.commit_tiles);
   job_service_ = std::make_unique<JobService>(*farm_, config_, identity_, *pool_, *submit_pool_);
-  asset_service_ = std::make_unique<AssetService>(*assets_, *pool_);
+  asset_service_ = std::make_unique<AssetService>(*counted_assets_, *pool_);
   worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_);
 
   grpc::EnableDefaultHealthCheckService(true);
@@ -160,10 +180,28 @@ absl::Status Coordinator::Impl::StartServer() {
   return absl::OkStatus();
 }
 
+absl::Status Coordinator::Impl::StartHttp() {
+  if (config_.http.empty()) return absl::OkStatus();
+  HttpServer::Parts parts;
+  parts.listen = config_.http;
+  parts.names = config_.http_names;
+  parts.clock = &clock_;
+  parts.farm = farm_.get();
+  parts.journal = journal_.get();
+  parts.metrics = metrics_.get();
+  parts.timeline = &timeline_;
+  parts.throughput = &throughput_;
+  parts.build_id = kBuildId;
+  SL_ASSIGN_OR_RETURN(http_, HttpServer::Start(std::move(parts)));
+  spdlog::info("dashboard and metrics are served http={} port={}", config_.http, http_->port());
+  return absl::OkStatus();
+}
+
 absl::Status Coordinator::Impl::Start() {
   SL_RETURN_IF_ERROR(Validate(config_));
   SL_RETURN_IF_ERROR(Annotate(OpenStores(), absl::StrCat("open ", config_.data_dir)));
   SL_RETURN_IF_ERROR(StartServer());
+  SL_RETURN_IF_ERROR(StartHttp());
   ticker_ = std::thread([this] { TickUntilStopped(); });
   spdlog::info("coordinator serves listen={} port={} data={} epoch={} build={}",
                config_.listen.empty() ? "in-process" : config_.listen, port_, config_.data_dir,
@@ -199,6 +237,7 @@ void Coordinator::Impl::Shutdown(absl::Duration grace) {
     server_->Shutdown(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(grace));
     server_->Wait();
   }
+  if (http_ != nullptr) http_->Stop();
   if (committer_ != nullptr) committer_->Stop();
   for (WorkPool* pool : {submit_pool_.get(), pool_.get(), frames_pool_.get()}) {
     if (pool != nullptr) pool->Stop();
@@ -215,6 +254,9 @@ absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Start(const Config& co
   return std::unique_ptr<Coordinator>(new Coordinator(std::move(impl)));
 }
 
+int Coordinator::http_port() const {
+  return impl_->http_port();
+}
 int Coordinator::port() const {
   return impl_->port();
 }

@@ -37,6 +37,8 @@ class Coordinator {
 
   /// The port that is listened on; 0 where there is none.
   int port() const;
+  /// The port of HTTP; 0 where it is not served.
+  int http_port() const;
   /// A channel into this coordinator without a network. Calls through it fail once it has shut down.
   std::shared_ptr<grpc::Channel> InProcessChannel();
 

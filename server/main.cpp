@@ -16,7 +16,7 @@ using shutterline::LogValue;
 
 struct Options {
   shutterline::server::Config config;
-  std::string port_file, log_level = "info";
+  std::string port_file, http_port_file, log_level = "info";
   double grace_seconds = 10;
 };
 
@@ -30,6 +30,15 @@ void Declare(CLI::App& app, Options& options) {
   app.add_flag(
       "--insecure-listen", options.config.insecure_listen,
       "Serve also on addresses that other machines reach, though nothing is encrypted or authenticated");
+  app.add_option(
+      "--http", options.config.http,
+      "HOST:PORT to serve the dashboard, /metrics and /healthz on, in a browser's reach; not served "
+      "unless given");
+  app.add_option(
+      "--http-name", options.config.http_names,
+      "A name under which browsers may ask for the dashboard, beside addresses and localhost; may be "
+      "repeated");
+  app.add_option("--http-port-file", options.http_port_file, "File to write the port of --http to");
   app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
@@ -61,6 +70,14 @@ int Serve(const Options& options) {
         shutterline::WriteFileAtomically(options.port_file, std::to_string((*coordinator)->port()) + "\n");
     if (!written.ok()) {
       spdlog::error("cannot write the port file reason={}", LogValue(written.message()));
+      return 1;
+    }
+  }
+  if (!options.http_port_file.empty()) {
+    const absl::Status written = shutterline::WriteFileAtomically(
+        options.http_port_file, std::to_string((*coordinator)->http_port()) + "\n");
+    if (!written.ok()) {
+      spdlog::error("cannot write the HTTP port file reason={}", LogValue(written.message()));
       return 1;
     }
   }

@@ -13,6 +13,14 @@ absl::string_view HostOf(absl::string_view listen) {
   return host;
 }
 
+bool IsHostAndPort(absl::string_view text) {
+  const size_t colon = text.rfind(':');
+  if (colon == absl::string_view::npos || colon == 0) return false;
+  const std::string port(text.substr(colon + 1));
+  return !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos &&
+         std::stoi(port) <= 65535;
+}
+
 bool IsLoopback(absl::string_view host) {
   if (host == "localhost" || host == "::1") return true;
   if (host.substr(0, 4) != "127.") return false;
@@ -26,13 +34,17 @@ absl::Status Validate(const Config& c) {
     return absl::InvalidArgumentError(absl::StrCat("coordinator configuration: ", field, " ", reason));
   };
   if (c.data_dir.empty()) return refuse("data_dir", "is empty");
+  if (!c.listen.empty() && !IsHostAndPort(c.listen))
+    return refuse("listen", absl::StrCat("'", c.listen, "' is not HOST:PORT"));
+  if (!c.http.empty() && !IsHostAndPort(c.http))
+    return refuse("http", absl::StrCat("'", c.http, "' is not HOST:PORT"));
+  if (!c.http.empty() && !c.insecure_listen && !IsLoopback(HostOf(c.http))) {
+    return refuse("http",
+                  absl::StrCat("'", c.http,
+                               "' can be reached by other machines, but nothing would be encrypted; use "
+                               "127.0.0.1, or insecure_listen in a trusted network"));
+  }
   if (!c.listen.empty()) {
-    const size_t colon = c.listen.rfind(':');
-    const std::string port = colon == std::string::npos ? "" : c.listen.substr(colon + 1);
-    if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
-        std::stoi(port) > 65535) {
-      return refuse("listen", absl::StrCat("'", c.listen, "' is not HOST:PORT"));
-    }
     if (!c.insecure_listen && !IsLoopback(HostOf(c.listen))) {
       return refuse("listen",
                     absl::StrCat("'", c.listen,

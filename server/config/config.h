@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/job/job_spec.h"
 
@@ -19,6 +20,11 @@ struct Config {
   std::string listen;
   /// Permits listening on an address that other machines reach, although nothing is encrypted.
   bool insecure_listen = false;
+
+  /// "HOST:PORT" to serve HTTP on: metrics and the dashboard. Port 0: any free one. Empty: not at all.
+  std::string http;
+  /// Names under which browsers may ask for it, beside addresses and localhost.
+  std::vector<std::string> http_names;
 
   absl::Duration lease_ttl = absl::Seconds(15);            ///< Silence after which tiles are leased again.
   absl::Duration heartbeat_interval = absl::Seconds(5);    ///< Asked of workers.
