@@ -13,6 +13,7 @@ const std::vector<CommandEntry>& CommandTable() {
       {"watch", "On a farm", "Follow a job until it has ended", MakeWatchCommand},
       {"fetch", "On a farm", "Get a job's finished frames", MakeFetchCommand},
       {"cancel", "On a farm", "End a job; finished frames stay", MakeCancelCommand},
+      {"trace", "On a farm", "Write which worker rendered which tile when", MakeTraceCommand},
       {"workers", "On a farm", "List the workers that are connected", MakeWorkersCommand},
   };
   return *table;

@@ -152,7 +152,7 @@ absl::Status Coordinator::Impl::OpenStores() {
 absl::Status Coordinator::Impl::StartServer() {
   committer_ =
       std::make_unique<ResultCommitter>(*farm_, *journal_, config_.commit_interval, config_.commit_tiles);
-  job_service_ = std::make_unique<JobService>(*farm_, config_, identity_, *pool_, *submit_pool_);
+  job_service_ = std::make_unique<JobService>(*farm_, config_, identity_, *pool_, *submit_pool_, timeline_);
   asset_service_ = std::make_unique<AssetService>(*counted_assets_, *pool_);
   worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_);
 

@@ -10,6 +10,7 @@
 #include "proto/convert/job_spec.h"
 #include "server/api/fetch_reactor.h"
 #include "server/api/messages.h"
+#include "server/api/trace_reactor.h"
 #include "server/api/unary.h"
 #include "server/api/watch_reactor.h"
 
@@ -91,6 +92,11 @@ grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* c
 grpc::ServerWriteReactor<v1::JobEvent>* JobService::Watch(grpc::CallbackServerContext*,
                                                           const v1::WatchRequest* request) {
   return new WatchReactor(farm_, pool_, *request);  // Frees itself in OnDone.
+}
+
+grpc::ServerWriteReactor<v1::FrameTrace>* JobService::ReadTrace(grpc::CallbackServerContext*,
+                                                                const v1::TraceRequest* request) {
+  return new TraceReactor(farm_, timeline_, pool_, *request);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::FrameChunk>* JobService::FetchFrame(grpc::CallbackServerContext*,

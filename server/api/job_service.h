@@ -3,6 +3,7 @@
 #include "server/api/limits.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
+#include "server/observe/timeline.h"
 #include "shutterline/v1/jobs.grpc.pb.h"
 
 namespace shutterline::server {
@@ -12,8 +13,13 @@ class JobService final : public v1::Jobs::CallbackService {
  public:
   /// `pool` for what is short, `submit_pool` for scene imports.
   JobService(Farm& farm, const Config& config, const CoordinatorIdentity& identity, WorkPool& pool,
-             WorkPool& submit_pool)
-      : farm_(farm), config_(config), identity_(identity), pool_(pool), submit_pool_(submit_pool) {}
+             WorkPool& submit_pool, const Timeline& timeline)
+      : farm_(farm),
+        timeline_(timeline),
+        config_(config),
+        identity_(identity),
+        pool_(pool),
+        submit_pool_(submit_pool) {}
 
   grpc::ServerUnaryReactor* GetCapabilities(grpc::CallbackServerContext* context,
                                             const v1::CapabilitiesRequest*,
@@ -32,11 +38,14 @@ class JobService final : public v1::Jobs::CallbackService {
                                                 const v1::WatchRequest* request) override;
   grpc::ServerWriteReactor<v1::FrameChunk>* FetchFrame(grpc::CallbackServerContext* context,
                                                        const v1::FrameRequest* request) override;
+  grpc::ServerWriteReactor<v1::FrameTrace>* ReadTrace(grpc::CallbackServerContext* context,
+                                                      const v1::TraceRequest* request) override;
 
  private:
   absl::Status DoList(const v1::ListRequest& request, v1::ListResponse& response);
 
   Farm& farm_;
+  const Timeline& timeline_;
   const Config config_;
   const CoordinatorIdentity identity_;
   WorkPool& pool_;
