@@ -39,7 +39,7 @@ MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 # What is lost here is to be missed by our coordinator, long before Slurm misses it.
-SlurmdTimeout=60
+SlurmdTimeout=40
 KillWait=5
 ReturnToService=2
 {nodes}

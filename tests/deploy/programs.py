@@ -151,7 +151,13 @@ class Farm:
         return json.loads(self.client("workers", "--json"))["workers"]
 
     def wait_for_workers(self, count, timeout=60):
-        wait_until(lambda: len(self.workers()) == count, f"{count} workers are connected", timeout)
+        """Of those that this test started itself none may have left."""
+        def connected():
+            for name, process in self.programs.started.items():
+                assert not name.startswith("worker") or process.poll() is None, f"{name} has left"
+            return len(self.workers()) == count
+
+        wait_until(connected, f"{count} workers are connected", timeout)
 
     def submit(self, scene, *picture):
         return self.client("submit", scene, *picture).strip()

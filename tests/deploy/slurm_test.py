@@ -93,6 +93,8 @@ def check(programs):
     (lost,) = [task for task, _, node in slurm.tasks() if node == victim]
     assert slurm.job_state(lost)["Requeue"] == "1", slurm.job_state(lost)
     if os.environ.get("SHUTTERLINE_LONG") == "1":
+        wait_until(lambda: slurm.node_states()[victim].startswith("down"), f"Slurm misses {victim}", 200, every=1)
+        say(f"Slurm misses {victim}")
         slurm.start_node(victim)
         farm.wait_for_workers(2, timeout=400)
         say(f"task {lost} runs again on its own: {slurm.tasks()}")
