@@ -7,6 +7,8 @@ const std::vector<CommandEntry>& CommandTable() {
       {"render", "On this machine", "Render a scene here, without a server", MakeRenderCommand},
       {"info", "On this machine", "Tell what a scene contains", MakeInfoCommand},
       {"compare", "On this machine", "Measure how two pictures differ", MakeCompareCommand},
+      {"completion", "On this machine", "Print a script that completes commands in a shell",
+       MakeCompletionCommand},
       {"submit", "On a farm", "Give a scene to a server to render", MakeSubmitCommand},
       {"status", "On a farm", "Tell how a job stands", MakeStatusCommand},
       {"list", "On a farm", "List the server's jobs, latest first", MakeListCommand},

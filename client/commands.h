@@ -19,6 +19,7 @@ std::unique_ptr<Command> MakeTraceCommand();
 std::unique_ptr<Command> MakeWorkersCommand();
 std::unique_ptr<Command> MakeInfoCommand();
 std::unique_ptr<Command> MakeCompareCommand();
+std::unique_ptr<Command> MakeCompletionCommand();
 
 /// Every command of the program `shutterline`, in the order of its help.
 const std::vector<CommandEntry>& CommandTable();

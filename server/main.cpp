@@ -18,6 +18,8 @@ struct Options {
   shutterline::server::Config config;
   std::string port_file, http_port_file, log_level = "info";
   double grace_seconds = 10;
+  double lease_ttl_seconds = absl::ToDoubleSeconds(config.lease_ttl);
+  double heartbeat_seconds = absl::ToDoubleSeconds(config.heartbeat_interval);
 };
 
 void Declare(CLI::App& app, Options& options) {
@@ -41,6 +43,13 @@ void Declare(CLI::App& app, Options& options) {
   app.add_option("--http-port-file", options.http_port_file, "File to write the port of --http to");
   app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
       ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--lease-ttl", options.lease_ttl_seconds,
+                 "Seconds of a worker's silence after which its tiles go to others; at least two heartbeats")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--heartbeat", options.heartbeat_seconds, "Seconds between two signs of life of a worker")
+      ->check(CLI::Range(0.05, 60.0))
       ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
@@ -100,6 +109,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  options.config.lease_ttl = absl::Seconds(options.lease_ttl_seconds);
+  options.config.heartbeat_interval = absl::Seconds(options.heartbeat_seconds);
   if (options.config.listen.empty()) {
     std::fprintf(stderr, "shutterline-server: --listen is empty, but must be HOST:PORT\n");
     return 2;

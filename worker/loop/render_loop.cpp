@@ -60,6 +60,9 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
     result.pixels.clear();
     spdlog::warn("tile failed job={} frame={} tile={} reason={}", LogValue(task.job->id), task.frame,
                  task.tile, LogValue(result.status.ToString()));
+  } else {
+    spdlog::debug("tile rendered job={} frame={} tile={} ms={:.1f}", LogValue(task.job->id), task.frame,
+                  task.tile, absl::ToDoubleMilliseconds(result.render_time));
   }
   return result;
 }

@@ -10,7 +10,9 @@ std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port) {
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
   // How often to try is the session's decision (Backoff): the channel must not refuse without dialling.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 50);
+  // How long an attempt may take, in spite of its name. Two round trips at least, and a second more for
+  // every lost packet: with less, a worker far away never gets through.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   // A job's description names its files: the protocol allows 10,000 of up to 1 KiB.
   arguments.SetMaxReceiveMessageSize(64 << 20);
