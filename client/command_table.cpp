@@ -14,6 +14,7 @@ const std::vector<CommandEntry>& CommandTable() {
       {"list", "On a farm", "List the server's jobs, latest first", MakeListCommand},
       {"watch", "On a farm", "Follow a job until it has ended", MakeWatchCommand},
       {"fetch", "On a farm", "Get a job's finished frames", MakeFetchCommand},
+      {"logs", "On a farm", "Tell what happened to a job", MakeLogsCommand},
       {"cancel", "On a farm", "End a job; finished frames stay", MakeCancelCommand},
       {"trace", "On a farm", "Write which worker rendered which tile when", MakeTraceCommand},
       {"workers", "On a farm", "List the workers that are connected", MakeWorkersCommand},

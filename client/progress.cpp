@@ -91,7 +91,11 @@ void Progress::Draw() {
   last_draw_ = now;
   if (style_ == ProgressStyle::kBar) {
     Erase();
-    out_ << BarText(facts_, now - start_) << std::flush;
+    // Row by row, each over the one that is there: nothing flickers.
+    for (const std::string& row : picture_) out_ << row << "\x1b[K\n";
+    picture_rows_drawn_ = picture_.size();
+    // A bar that wrapped would take a row more than we go up again.
+    out_ << "\x1b[?7l" << BarText(facts_, now - start_) << "\x1b[?7h\x1b[K" << std::flush;
     bar_drawn_ = true;
   } else if (style_ == ProgressStyle::kLines) {
     out_ << LineText(facts_, now - start_) << "\n" << std::flush;
@@ -99,15 +103,23 @@ void Progress::Draw() {
 }
 
 void Progress::Erase() {
-  if (bar_drawn_) out_ << "\r\x1b[K";
+  if (bar_drawn_) out_ << "\r";
+  if (bar_drawn_ && picture_rows_drawn_ > 0) out_ << "\x1b[" << picture_rows_drawn_ << "A";
   bar_drawn_ = false;
+}
+
+void Progress::SetPicture(std::vector<std::string> rows) {
+  if (style_ != ProgressStyle::kBar || !has_facts_) return;
+  picture_ = std::move(rows);
+  Draw();
 }
 
 void Progress::Note(absl::string_view text) {
   if (style_ == ProgressStyle::kQuiet) return;
   const bool redraw = bar_drawn_;
   Erase();
-  out_ << text << "\n" << std::flush;
+  // What the text does not cover goes.
+  out_ << text << (redraw ? "\x1b[J" : "") << "\n" << std::flush;
   if (redraw) Draw();
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "common/base/clock.h"
 
@@ -38,7 +39,9 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void Update(const ProgressFacts& facts);
-  /// A whole line of text above the bar.
+  /// Rows of a picture that stand above the bar from now on, in place of those before. Bars alone have one.
+  void SetPicture(std::vector<std::string> rows);
+  /// A whole line of text above bar and picture.
   void Note(absl::string_view text);
   /// Draws the last facts and leaves the bar standing.
   void Finish();
@@ -56,6 +59,8 @@ class Progress {
   ProgressFacts facts_;
   bool has_facts_ = false;
   bool bar_drawn_ = false;
+  std::vector<std::string> picture_;
+  size_t picture_rows_drawn_ = 0;
   absl::Duration last_draw_;
   int64_t last_tenth_ = -1;
   std::string last_words_;  ///< State and note of the line printed last.

@@ -18,6 +18,7 @@
 #include "server/api/asset_service.h"
 #include "server/api/job_service.h"
 #include "server/api/worker_service.h"
+#include "server/assemble/frame_thumbnails.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/blob_scene_source.h"
 #include "server/assets/disk_asset_store.h"
@@ -28,6 +29,7 @@
 #include "server/files/file.h"
 #include "server/http/http_server.h"
 #include "server/jobs/sqlite_job_store.h"
+#include "server/logs/job_logs.h"
 #include "server/observe/metrics.h"
 #include "server/observe/observers.h"
 #include "server/observe/throughput.h"
@@ -89,10 +91,12 @@ class Coordinator::Impl {
   const CoordinatorIdentity identity_{kBuildId, convert::kProtocolLow, convert::kProtocolHigh};
 
   // In the order in which they depend on each other: freed from the last to the first.
+  std::unique_ptr<JobLogs> logs_;
   std::unique_ptr<SqliteJobStore> store_;
   std::unique_ptr<DiskAssetStore> assets_;
   std::unique_ptr<MetricsAssetStore> counted_assets_;
   std::unique_ptr<TileJournal> journal_;
+  std::unique_ptr<FrameThumbnails> thumbnails_;
   std::unique_ptr<Metrics> metrics_;
   Timeline timeline_;
   Throughput throughput_{clock_};
@@ -116,9 +120,11 @@ absl::Status Coordinator::Impl::OpenStores() {
   SL_RETURN_IF_ERROR(MakeFolders(config_.data_dir));
   SL_ASSIGN_OR_RETURN(store_, SqliteJobStore::Open(absl::StrCat(config_.data_dir, "/jobs.sqlite")));
   SL_RETURN_IF_ERROR(SyncFolder(config_.data_dir));
+  SL_ASSIGN_OR_RETURN(logs_, JobLogs::Open(absl::StrCat(config_.data_dir, "/logs"), {}));
   SL_ASSIGN_OR_RETURN(
       assets_, DiskAssetStore::Open(absl::StrCat(config_.data_dir, "/assets"), config_.max_blob_bytes));
   SL_ASSIGN_OR_RETURN(journal_, TileJournal::Open(absl::StrCat(config_.data_dir, "/journal"), {}));
+  thumbnails_ = std::make_unique<FrameThumbnails>(*journal_);
   const std::string frames_folder = absl::StrCat(config_.data_dir, "/frames");
   SL_RETURN_IF_ERROR(MakeFolders(frames_folder));
 
@@ -152,7 +158,8 @@ absl::Status Coordinator::Impl::OpenStores() {
 absl::Status Coordinator::Impl::StartServer() {
   committer_ =
       std::make_unique<ResultCommitter>(*farm_, *journal_, config_.commit_interval, config_.commit_tiles);
-  job_service_ = std::make_unique<JobService>(*farm_, config_, identity_, *pool_, *submit_pool_, timeline_);
+  job_service_ = std::make_unique<JobService>(
+      JobService::Parts{*farm_, timeline_, *logs_, *thumbnails_, config_, identity_, *pool_, *submit_pool_});
   asset_service_ = std::make_unique<AssetService>(*counted_assets_, *pool_);
   worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_);
 

@@ -16,6 +16,20 @@ namespace shutterline {
 /// To be called once, before other threads log.
 absl::Status SetUpLog(absl::string_view program, absl::string_view level);
 
+/// Hears the program's log from level info up, whatever level is printed. Called line by line, from any
+/// thread, one at a time, under the log's lock: must not log, and must be quick.
+class LogListener {
+ public:
+  virtual ~LogListener() = default;
+  /// `line` as it is printed, with its newline; `message` is the part after the program's name.
+  virtual void OnLogLine(absl::string_view line, absl::string_view message) = 0;
+};
+
+/// From SetUpLog on; listeners that are added before hear as well, from then on. Once Remove has returned,
+/// the listener is not called and not being called.
+void AddLogListener(LogListener* listener);
+void RemoveLogListener(LogListener* listener);
+
 /// `value` for a key=value field: quoted and escaped where it has spaces, quotes, '=' or anything that is
 /// not printable ASCII, so that a line stays a line and a field a field; cut after 1 KiB with "…".
 std::string LogValue(absl::string_view value);

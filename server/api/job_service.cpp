@@ -9,7 +9,9 @@
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
 #include "server/api/fetch_reactor.h"
+#include "server/api/log_reactor.h"
 #include "server/api/messages.h"
+#include "server/api/tiles_reactor.h"
 #include "server/api/trace_reactor.h"
 #include "server/api/unary.h"
 #include "server/api/watch_reactor.h"
@@ -19,7 +21,7 @@ namespace shutterline::server {
 grpc::ServerUnaryReactor* JobService::GetCapabilities(grpc::CallbackServerContext* context,
                                                       const v1::CapabilitiesRequest*,
                                                       v1::Capabilities* response) {
-  *response = CapabilitiesOf(config_, identity_, farm_.epoch());
+  *response = CapabilitiesOf(parts_.config, parts_.identity, parts_.farm.epoch());
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;
@@ -27,9 +29,9 @@ grpc::ServerUnaryReactor* JobService::GetCapabilities(grpc::CallbackServerContex
 
 grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* context,
                                              const v1::SubmitRequest* request, v1::Job* response) {
-  return AnswerFrom(submit_pool_, context, [this, request, response]() -> absl::Status {
-    SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(request->spec(), config_.job_limits));
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Submit(request->request_id(), spec));
+  return AnswerFrom(parts_.submit_pool, context, [this, request, response]() -> absl::Status {
+    SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(request->spec(), parts_.config.job_limits));
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(request->request_id(), spec));
     *response = ToMessage(job, SpecDetail::kFull);
     return absl::OkStatus();
   });
@@ -37,8 +39,8 @@ grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* JobService::Get(grpc::CallbackServerContext* context, const v1::JobRef* request,
                                           v1::Job* response) {
-  return AnswerFrom(pool_, context, [this, request, response]() -> absl::Status {
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Get(request->job_id()));
+  return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Get(request->job_id()));
     *response = ToMessage(job, SpecDetail::kFull);
     return absl::OkStatus();
   });
@@ -54,7 +56,7 @@ absl::Status JobService::DoList(const v1::ListRequest& request, v1::ListResponse
         absl::StrCat("page_size: is ", request.page_size(), ", but at most ", kMaxPageSize, " may be"));
   }
   const int size = int(request.page_size() == 0 ? kDefaultPageSize : request.page_size());
-  SL_ASSIGN_OR_RETURN(const std::vector<JobSnapshot> jobs, farm_.List(before, size + 1));
+  SL_ASSIGN_OR_RETURN(const std::vector<JobSnapshot> jobs, parts_.farm.List(before, size + 1));
   for (size_t i = 0; i < std::min(jobs.size(), size_t(size)); ++i) {
     *response.add_jobs() = ToMessage(jobs[i], SpecDetail::kWithoutFiles);
   }
@@ -64,17 +66,17 @@ absl::Status JobService::DoList(const v1::ListRequest& request, v1::ListResponse
 
 grpc::ServerUnaryReactor* JobService::List(grpc::CallbackServerContext* context,
                                            const v1::ListRequest* request, v1::ListResponse* response) {
-  return AnswerFrom(pool_, context, [this, request, response] { return DoList(*request, *response); });
+  return AnswerFrom(parts_.pool, context, [this, request, response] { return DoList(*request, *response); });
 }
 
 grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* context,
                                               const v1::ControlRequest* request, v1::Job* response) {
-  return AnswerFrom(pool_, context, [this, request, response]() -> absl::Status {
+  return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
     if (request->action() != v1::ControlRequest::ACTION_CANCEL) {
       return absl::InvalidArgumentError(
           absl::StrCat("action: value ", int(request->action()), " is not known or not specified"));
     }
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm_.Cancel(request->job_id()));
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Cancel(request->job_id()));
     *response = ToMessage(job, SpecDetail::kFull);
     return absl::OkStatus();
   });
@@ -83,25 +85,35 @@ grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* context,
                                                   const v1::ListWorkersRequest*,
                                                   v1::ListWorkersResponse* response) {
-  return AnswerFrom(pool_, context, [this, response] {
-    for (const WorkerSnapshot& worker : farm_.Workers()) *response->add_workers() = ToMessage(worker);
+  return AnswerFrom(parts_.pool, context, [this, response] {
+    for (const WorkerSnapshot& worker : parts_.farm.Workers()) *response->add_workers() = ToMessage(worker);
     return absl::OkStatus();
   });
 }
 
 grpc::ServerWriteReactor<v1::JobEvent>* JobService::Watch(grpc::CallbackServerContext*,
                                                           const v1::WatchRequest* request) {
-  return new WatchReactor(farm_, pool_, *request);  // Frees itself in OnDone.
+  return new WatchReactor(parts_.farm, parts_.pool, *request);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::FrameTrace>* JobService::ReadTrace(grpc::CallbackServerContext*,
                                                                 const v1::TraceRequest* request) {
-  return new TraceReactor(farm_, timeline_, pool_, *request);  // Frees itself in OnDone.
+  return new TraceReactor(parts_.farm, parts_.timeline, parts_.pool, *request);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::FrameChunk>* JobService::FetchFrame(grpc::CallbackServerContext*,
                                                                  const v1::FrameRequest* request) {
-  return new FetchReactor(farm_, pool_, *request);  // Frees itself in OnDone.
+  return new FetchReactor(parts_.farm, parts_.pool, *request);  // Frees itself in OnDone.
+}
+
+grpc::ServerWriteReactor<v1::TileUpdate>* JobService::ReadTiles(grpc::CallbackServerContext*,
+                                                                const v1::TilesRequest* request) {
+  return new TilesReactor(parts_.farm, parts_.thumbnails, parts_.pool, *request);  // Frees itself in OnDone.
+}
+
+grpc::ServerWriteReactor<v1::LogChunk>* JobService::ReadLog(grpc::CallbackServerContext*,
+                                                            const v1::LogRequest* request) {
+  return new LogReactor(parts_.farm, parts_.logs, parts_.pool, *request);  // Frees itself in OnDone.
 }
 
 }  // namespace shutterline::server

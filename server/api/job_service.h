@@ -1,25 +1,31 @@
 #pragma once
 
+#include <utility>
+
 #include "server/api/limits.h"
+#include "server/assemble/frame_thumbnails.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
+#include "server/logs/job_logs.h"
 #include "server/observe/timeline.h"
 #include "shutterline/v1/jobs.grpc.pb.h"
 
 namespace shutterline::server {
 
-/// The Jobs service over a Farm, which outlives it, as the pools do.
+/// The Jobs service: translates, and passes on. Its parts outlive it.
 class JobService final : public v1::Jobs::CallbackService {
  public:
-  /// `pool` for what is short, `submit_pool` for scene imports.
-  JobService(Farm& farm, const Config& config, const CoordinatorIdentity& identity, WorkPool& pool,
-             WorkPool& submit_pool, const Timeline& timeline)
-      : farm_(farm),
-        timeline_(timeline),
-        config_(config),
-        identity_(identity),
-        pool_(pool),
-        submit_pool_(submit_pool) {}
+  struct Parts {
+    Farm& farm;
+    const Timeline& timeline;
+    const JobLogs& logs;
+    FrameThumbnails& thumbnails;
+    Config config;
+    CoordinatorIdentity identity;
+    WorkPool& pool;         ///< For what is short.
+    WorkPool& submit_pool;  ///< For scene imports.
+  };
+  explicit JobService(Parts parts) : parts_(std::move(parts)) {}
 
   grpc::ServerUnaryReactor* GetCapabilities(grpc::CallbackServerContext* context,
                                             const v1::CapabilitiesRequest*,
@@ -38,18 +44,17 @@ class JobService final : public v1::Jobs::CallbackService {
                                                 const v1::WatchRequest* request) override;
   grpc::ServerWriteReactor<v1::FrameChunk>* FetchFrame(grpc::CallbackServerContext* context,
                                                        const v1::FrameRequest* request) override;
+  grpc::ServerWriteReactor<v1::TileUpdate>* ReadTiles(grpc::CallbackServerContext* context,
+                                                      const v1::TilesRequest* request) override;
+  grpc::ServerWriteReactor<v1::LogChunk>* ReadLog(grpc::CallbackServerContext* context,
+                                                  const v1::LogRequest* request) override;
   grpc::ServerWriteReactor<v1::FrameTrace>* ReadTrace(grpc::CallbackServerContext* context,
                                                       const v1::TraceRequest* request) override;
 
  private:
   absl::Status DoList(const v1::ListRequest& request, v1::ListResponse& response);
 
-  Farm& farm_;
-  const Timeline& timeline_;
-  const Config config_;
-  const CoordinatorIdentity identity_;
-  WorkPool& pool_;
-  WorkPool& submit_pool_;
+  const Parts parts_;
 };
 
 }  // namespace shutterline::server
