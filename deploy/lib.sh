@@ -8,29 +8,37 @@ die() {
   exit 1
 }
 
-# The packages of deploy/packages.txt, one a line, without comments.
+# listed_packages [programs]: the packages of deploy/packages.txt, one a line, without comments; `programs`: without
+# those for tests alone.
 listed_packages() {
-  sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$root/deploy/packages.txt"
+  local end='/^$/d'
+  if [[ ${1-} == programs ]]; then end='/^# Tests alone/,$d'; fi
+  sed -e "$end" -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$root/deploy/packages.txt"
 }
 
-# Those of them that are not installed.
+# Those of them that are not installed, likewise.
 missing_packages() {
   local package
   while read -r package; do
+    # Node often comes from elsewhere, with npm in it, and Debian's packages would conflict with that one.
+    case $package in
+      nodejs) if command -v node >/dev/null; then continue; fi ;;
+      npm) if command -v npm >/dev/null; then continue; fi ;;
+    esac
     if [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null) != installed ]]; then
       echo "$package"
     fi
-  done < <(listed_packages)
+  done < <(listed_packages "$@")
 }
 
-# Installs what is missing, as root or through sudo. Needs no network where nothing is missing.
+# install_packages [programs]: installs what is missing, as root or through sudo. Needs no network where nothing is missing.
 install_packages() {
   [[ -r $root/deploy/packages.txt ]] || die "$root/deploy/packages.txt is missing"
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     die "this needs Debian 12 (no dpkg-query or apt-get here); install by hand what deploy/packages.txt names"
   fi
   local missing as_root=()
-  mapfile -t missing < <(missing_packages)
+  mapfile -t missing < <(missing_packages "$@")
   if [[ ${#missing[@]} -eq 0 ]]; then
     say "All packages of deploy/packages.txt are installed"
     return

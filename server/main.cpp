@@ -8,6 +8,7 @@
 #include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
 #include "common/base/log.h"
+#include "common/base/log_format.h"
 #include "server/coordinator.h"
 
 namespace {
@@ -16,7 +17,7 @@ using shutterline::LogValue;
 
 struct Options {
   shutterline::server::Config config;
-  std::string port_file, http_port_file, log_level = "info";
+  std::string port_file, http_port_file, log_level = "info", log_format = "text";
   double grace_seconds = 10;
   double lease_ttl_seconds = absl::ToDoubleSeconds(config.lease_ttl);
   double heartbeat_seconds = absl::ToDoubleSeconds(config.heartbeat_interval);
@@ -44,12 +45,16 @@ void Declare(CLI::App& app, Options& options) {
   app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+<<<<<<< HEAD
   app.add_option("--lease-ttl", options.lease_ttl_seconds,
                  "Seconds of a worker's silence after which its tiles go to others; at least two heartbeats")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--heartbeat", options.heartbeat_seconds, "Seconds between two signs of life of a worker")
       ->check(CLI::Range(0.05, 60.0))
+=======
+  app.add_option("--log-format", options.log_format, "text, or json: one object a line")
+>>>>>>> 79e30b8 (log: worker and lease on every line that knows them; --log-format json; docs: watching a farm)
       ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
@@ -115,7 +120,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "shutterline-server: --listen is empty, but must be HOST:PORT\n");
     return 2;
   }
-  const absl::Status log = shutterline::SetUpLog("server", options.log_level);
+  absl::Status log = shutterline::SetUpLog("server", options.log_level);
+  if (log.ok()) log = shutterline::SetLogFormat(options.log_format);
   if (!log.ok()) {
     std::fprintf(stderr, "shutterline-server: %s\n", std::string(log.message()).c_str());
     return 2;

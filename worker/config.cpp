@@ -82,6 +82,8 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   bool no_shading_cache = false;
   app.add_flag("--no-shading-cache", no_shading_cache, "Keep no shadings")->excludes(shading_cache);
   app.add_option("--name", config.worker.name, "How people know this worker (default HOST:PID)");
+  app.add_option("--log-format", config.log_format, "text, or json: one object a line")
+      ->capture_default_str();
   app.add_option("--log-level", config.log_level, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

@@ -13,7 +13,7 @@ inline constexpr uint64_t kDefaultShadingCacheBytes = uint64_t{256} << 20;
 /// What the command line of shutterline-worker says.
 struct Config {
   std::string coordinator;  ///< "HOST:PORT".
-  std::string log_level = "info";
+  std::string log_level = "info", log_format = "text";
   WorkerOptions worker;
   uint64_t shading_cache_bytes = kDefaultShadingCacheBytes;  ///< 0: none.
 };

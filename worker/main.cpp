@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <thread>
 
+#include "common/base/ids.h"
 #include "common/base/log.h"
+#include "common/base/log_format.h"
 #include "worker/config.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
@@ -34,9 +36,12 @@ void WaitForSignals(const sigset_t& signals, worker::Worker& worker) {
 
 int main(int argc, char** argv) {
   int exit_code = 0;
-  const auto config = worker::ParseCommandLine(argc, argv, exit_code);
+  auto config = worker::ParseCommandLine(argc, argv, exit_code);
   if (!config) return exit_code;
-  if (const absl::Status status = SetUpLog("worker", config->log_level); !status.ok()) {
+  if (config->worker.uuid.empty()) config->worker.uuid = MakeUuid();
+  absl::Status status = SetUpLog("worker", config->log_level);
+  if (status.ok()) status = SetLogFormat(config->log_format, {{"worker", config->worker.uuid}});
+  if (!status.ok()) {
     std::fprintf(stderr, "shutterline-worker: %s\n", std::string(status.message()).c_str());
     return 2;
   }

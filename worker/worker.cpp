@@ -101,8 +101,8 @@ absl::StatusOr<std::unique_ptr<Worker>> Worker::Start(std::shared_ptr<grpc::Chan
                       AssetCache::Open({.folder = options.cache_dir, .max_bytes = options.cache_bytes}));
   auto impl = std::make_unique<Impl>(std::move(channel), options, factory, std::move(assets), clock);
   const WorkerIdentity& who = impl->session_options.identity;
-  spdlog::info("worker started name={} uuid={} threads={} isa={} build={}", LogValue(who.name), who.uuid,
-               options.threads, who.isa, who.build_id);
+  spdlog::info("worker started name={} threads={} isa={} build={}", LogValue(who.name), options.threads,
+               who.isa, who.build_id);
   impl->session.Start();
   return std::unique_ptr<Worker>(new Worker(std::move(impl)));
 }

@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/check.h"
+#include "common/base/log.h"
 #include "common/base/status_macros.h"
 
 namespace shutterline::server {
@@ -166,7 +167,7 @@ void TileJournal::Unpin(const Place& place) {
   if (--pinned->second > 0 || place.segment == current_) return;
   pinned_.erase(pinned);
   const absl::Status status = RemoveFile(SegmentPath(place.segment));
-  if (!status.ok()) spdlog::warn("journal segment stays reason=\"{}\"", std::string(status.message()));
+  if (!status.ok()) spdlog::warn("journal segment stays reason={}", LogValue(status.message()));
 }
 
 void TileJournal::DropTiles(const FrameTiles& tiles) {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "server/files/file.h"
 
@@ -160,7 +161,8 @@ void DiskAssetStore::ReportDamage(const Digest& digest) {
   spdlog::error("stored blob is damaged and removed digest={}", digest.ToHex());
   const absl::Status status = RemoveFile(BlobPath(digest));
   if (!status.ok())
-    spdlog::error("damaged blob cannot be removed reason=\"{}\"", std::string(status.message()));
+    spdlog::error("damaged blob cannot be removed digest={} reason={}", digest.ToHex(),
+                  LogValue(status.message()));
 }
 
 }  // namespace shutterline::server

@@ -241,9 +241,9 @@ void Farm::Tick() {
   {
     absl::MutexLock lock(&mutex_);
     expired = scheduler_.Expire();
-    if (!expired.leases.empty()) {
-      spdlog::warn("leases ran out leases={} workers_lost={}", expired.leases.size(), expired.workers.size());
-    }
+    for (const EndedLease& lease : expired.leases)
+      spdlog::warn("lease ran out lease={} worker={}", lease.id, WorkerName(lease.worker));
+    for (const WorkerId worker : expired.workers) spdlog::warn("worker lost worker={}", WorkerName(worker));
     observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kExpired, int64_t(expired.leases.size()));
     Revoke(expired.leases);
     for (const WorkerId worker : expired.workers)

@@ -154,6 +154,8 @@ class Farm {
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool GrantOne(WorkerEntry& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Revoke(const std::vector<EndedLease>& ended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// The worker's UUID for a log, "gone" where it is not registered any more.
+  std::string WorkerName(WorkerId worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropWorker(WorkerId worker, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   struct Session {

@@ -58,8 +58,9 @@ void Farm::Apply(const std::vector<Result>& results) {
         scheduler_.Renew(result.worker, {});
       }
       if (result.report->failed) {
-        spdlog::warn("tile failed job={} frame={} tile={} reason={}", job->id(), result.report->frame,
-                     at.tile, LogValue(result.report->failure));
+        spdlog::warn("tile failed job={} frame={} tile={} worker={} reason={}", job->id(),
+                     result.report->frame, at.tile, WorkerName(result.worker),
+                     LogValue(result.report->failure));
         if (auto poison = scheduler_.Fail(at.job, at.frame, at.tile, result.worker, result.report->failure)) {
           poisoned.push_back(*std::move(poison));
         }
@@ -67,9 +68,10 @@ void Farm::Apply(const std::vector<Result>& results) {
       }
       if (result.stored == TileJournal::Outcome::kMismatch) {
         const std::optional<Digest> kept = parts_.journal->Find(at);
-        spdlog::error("tile rendered twice with different pixels job={} frame={} tile={} kept={} refused={}",
-                      job->id(), result.report->frame, at.tile, kept ? kept->ToHex() : "",
-                      Sha256(result.report->pixels).ToHex());
+        spdlog::error(
+            "tile rendered twice with different pixels job={} frame={} tile={} worker={} kept={} refused={}",
+            job->id(), result.report->frame, at.tile, WorkerName(result.worker), kept ? kept->ToHex() : "",
+            Sha256(result.report->pixels).ToHex());
         job->CountMismatch(NextSeq());
       }
       if (result.stored != TileJournal::Outcome::kStaged) continue;

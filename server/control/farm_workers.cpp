@@ -23,8 +23,8 @@ absl::StatusOr<WorkerEntry> Farm::Register(const WorkerHello& hello) {
   if (draining_) return absl::UnavailableError("the coordinator is about to stop");
   absl::StatusOr<WorkerEntry*> entry = registry_.Register(hello, parts_.clock->Monotonic());
   if (!entry.ok()) {
-    spdlog::warn("worker refused name={} reason={}", LogValue(hello.name.substr(0, 256)),
-                 LogValue(entry.status().message()));
+    spdlog::warn("worker refused worker={} name={} reason={}", LogValue(hello.uuid.substr(0, 256)),
+                 LogValue(hello.name.substr(0, 256)), LogValue(entry.status().message()));
     return entry.status();
   }
   spdlog::info("worker registered worker={} name={} slots={} isa={} session={}", LogValue(hello.uuid),
@@ -91,6 +91,11 @@ void Farm::Detach(WorkerId id, WorkerSink* sink, bool orderly) {
   } else {
     scheduler_.LoseWorker(id);
   }
+}
+
+std::string Farm::WorkerName(WorkerId id) {
+  const WorkerEntry* entry = registry_.Find(id);
+  return entry == nullptr ? "gone" : LogValue(entry->hello.uuid);
 }
 
 void Farm::DropWorker(WorkerId id, const absl::Status& status) {
@@ -176,6 +181,9 @@ bool Farm::GrantOne(WorkerEntry& worker) {
       LeaseGranted{lease->id, job->id(), job->spec()->frames.Frame(lease->frame), lease->tiles});
   observer_.OnGranted({lease->id, worker.id, worker.hello.uuid, worker.hello.name, job->id(),
                        job->spec()->frames.Frame(lease->frame), lease->tiles, parts_.clock->Monotonic()});
+  spdlog::debug("lease granted lease={} worker={} job={} frame={} tiles={}", lease->id,
+                LogValue(worker.hello.uuid), job->id(), job->spec()->frames.Frame(lease->frame),
+                lease->tiles.size());
   if (--worker.credit == 0) wanting_.erase(worker.id);
   return true;
 }

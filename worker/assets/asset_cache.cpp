@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/log.h"
 #include "common/base/status_macros.h"
 
 namespace shutterline::worker {
@@ -125,7 +126,7 @@ absl::StatusOr<std::string> AssetCache::Get(const Digest& digest, uint64_t max_b
                                             " bytes received have digest ", actual.ToHex()));
   }
   if (const absl::Status written = WriteFile(digest, *fetched); !written.ok()) {
-    spdlog::warn("blob not cached: digest={} reason=\"{}\"", digest.ToHex(), written.ToString());
+    spdlog::warn("blob not cached digest={} reason={}", digest.ToHex(), LogValue(written.ToString()));
   }
   return fetched;
 }
@@ -167,7 +168,8 @@ absl::StatusOr<std::string> AssetCache::ReadFile(const Digest& digest, uint64_t 
     filled += size_t(count);
   }
   if (filled < bytes.size() || Sha256(bytes) != digest) {
-    spdlog::warn("cached blob is corrupt, fetching it again: path={}", path.string());
+    spdlog::warn("cached blob is corrupt and fetched again digest={} path={}", digest.ToHex(),
+                 LogValue(path.string()));
     unlink(path.c_str());
     Forget(digest);
     return absl::NotFoundError(path.string());

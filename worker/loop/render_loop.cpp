@@ -58,11 +58,11 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
   ++(result.status.ok() ? tiles_rendered_ : tiles_failed_);
   if (!result.status.ok()) {
     result.pixels.clear();
-    spdlog::warn("tile failed job={} frame={} tile={} reason={}", LogValue(task.job->id), task.frame,
-                 task.tile, LogValue(result.status.ToString()));
+    spdlog::warn("tile failed job={} frame={} tile={} lease={} reason={}", LogValue(task.job->id), task.frame,
+                 task.tile, task.lease_id, LogValue(result.status.ToString()));
   } else {
-    spdlog::debug("tile rendered job={} frame={} tile={} ms={:.1f}", LogValue(task.job->id), task.frame,
-                  task.tile, absl::ToDoubleMilliseconds(result.render_time));
+    spdlog::debug("tile rendered job={} frame={} tile={} lease={} ms={:.1f}", LogValue(task.job->id),
+                  task.frame, task.tile, task.lease_id, absl::ToDoubleMilliseconds(result.render_time));
   }
   return result;
 }

@@ -142,7 +142,8 @@ void Connection::HandleGrant(const v1::Grant& grant) {
   const bool taken = job != jobs_.end() && board_.Grant(job->second, grant.lease_id(), grant.frame(),
                                                         {grant.tiles().data(), size_t(grant.tiles().size())});
   if (!taken) {
-    spdlog::warn("lease returned lease={} job={} reason=\"{}\"", grant.lease_id(), LogValue(grant.job_id()),
+    spdlog::warn("lease returned lease={} job={} frame={} reason=\"{}\"", grant.lease_id(),
+                 LogValue(grant.job_id()), grant.frame(),
                  job == jobs_.end() ? "the job is not known" : "the lease is held already");
   }
   absl::MutexLock lock(&mutex_);
@@ -290,8 +291,8 @@ absl::Status Connection::HandleAck(const v1::ResultAck& ack) {
     board_.Acknowledged(task);
     const v1::ResultAck::Outcome outcome = ack.outcomes(int(i));
     if (outcome == v1::ResultAck::OUTCOME_MISMATCH || outcome == v1::ResultAck::OUTCOME_REFUSED) {
-      spdlog::error("tile not taken job={} frame={} tile={} outcome={}", LogValue(task.job->id), task.frame,
-                    task.tile, v1::ResultAck::Outcome_Name(outcome));
+      spdlog::error("tile not taken job={} frame={} tile={} lease={} outcome={}", LogValue(task.job->id),
+                    task.frame, task.tile, task.lease_id, v1::ResultAck::Outcome_Name(outcome));
     }
   }
   return absl::OkStatus();
