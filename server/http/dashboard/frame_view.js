@@ -137,7 +137,7 @@ export class FrameView {
     for (const [tile, time] of this.times) {
       const [red, green, blue] = heatColour(Math.log(Math.max(time, low) / low) / span);
       draw.fillStyle = `rgb(${red} ${green} ${blue} / 0.78)`;
-      draw.fillRect(tile % columns * kTile, Math.floor(tile / columns) * kTile, kTile - 1, kTile - 1);
+      draw.fillRect(tile % columns * kTile, Math.floor(tile / columns) * kTile, kTile, kTile);
     }
     this.low.textContent = seconds(low);
     this.high.textContent = seconds(high);
