@@ -75,7 +75,7 @@ bool TakeValue(absl::string_view& text, std::string& value) {
   value.clear();
   if (text.empty() || text[0] != '"') {
     const size_t end = std::min(text.size(), text.find(' '));
-    value = text.substr(0, end);
+    value = std::string(text.substr(0, end));
     text.remove_prefix(end);
     return true;
   }
