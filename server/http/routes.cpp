@@ -164,11 +164,12 @@ absl::Status Routes::GetFile(absl::string_view name, const Request& request, Res
   return absl::NotFoundError("there is nothing here");
 }
 
-Json Routes::Overview() {
+Json Routes::Overview(const Request& request) {
   Json overview = ToJson(parts_.farm->Totals());
   overview["tiles_per_second"] = parts_.throughput->TilesPerSecond();
   overview["build"] = parts_.build_id;
   overview["epoch"] = parts_.farm->epoch();
+  overview["may_control"] = parts_.may_control(FactsOf(request)).ok();
   return overview;
 }
 
@@ -185,7 +186,7 @@ absl::StatusOr<Json> Routes::Jobs(const Request& request) {
 }
 
 absl::Status Routes::GetApi(const Path& path, const Request& request, Response& response) {
-  if (path.size() == 2 && path[1] == "overview") return Answer(Overview(), response);
+  if (path.size() == 2 && path[1] == "overview") return Answer(Overview(request), response);
   if (path.size() == 2 && path[1] == "workers") {
     Json list = Json::array();
     for (const WorkerSnapshot& worker : parts_.farm->Workers()) list.push_back(ToJson(worker));

@@ -38,7 +38,7 @@ class Routes {
   absl::Status GetFile(absl::string_view name, const Request& request, Response& response);
   absl::Status Post(const Request& request, Response& response);
   absl::StatusOr<Json> Jobs(const Request& request);
-  Json Overview();
+  Json Overview(const Request& request);
 
   const HttpServer::Parts parts_;
   FramePictures pictures_;

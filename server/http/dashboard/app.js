@@ -184,7 +184,10 @@ const kActions = {
   pause: {word: 'Pause'}, resume: {word: 'Resume'}, retry: {word: 'Retry'},
 };
 
+let mayControl = false;  // Until the coordinator says that we may.
+
 function actionsOf(job) {
+  if (!mayControl) return [];
   return job.actions || (ended(job) ? [] : ['cancel']);
 }
 
@@ -357,4 +360,5 @@ $('frames').addEventListener('keydown', (event) => {
 });
 window.addEventListener('hashchange', () => { route(); $('main').focus(); });
 window.addEventListener('resize', () => { if (!$('page-jobs').hidden) drawChart().catch(() => {}); });
-route();
+
+ask('/api/overview').then((overview) => { mayControl = overview.may_control; }, () => {}).then(route);

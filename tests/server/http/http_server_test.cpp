@@ -183,6 +183,7 @@ TEST_F(HttpServerTest, TheApiTellsAJobFromItsTilesToItsPicture) {
   worker.Push({worker.Result(grant, grant.tiles(0))});
   EXPECT_EQ(GetJson("/api/workers")["workers"][0]["name"], "fake worker");
   EXPECT_EQ(GetJson("/api/overview")["workers"], 1);
+  EXPECT_EQ(GetJson("/api/overview")["may_control"], true);
 
   const std::string frame = absl::StrCat(at, "/frames/", grant.frame());
   json tiles = GetJson(frame + "/tiles");
