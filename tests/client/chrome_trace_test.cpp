@@ -44,7 +44,7 @@ TEST(ChromeTraceTest, TilesOfALeaseThatCameTogetherAreDrawnOneAfterTheOther) {
   const std::vector<Json> tiles = Tiles(trace.Finish());
   ASSERT_EQ(tiles.size(), 3u);
   std::map<int, Json> by_tile;
-  for (const Json& tile : tiles) by_tile[tile["args"]["tile"]] = tile;
+  for (const Json& tile : tiles) by_tile[tile["args"]["tile"].get<int>()] = tile;
   // Times begin with the first grant, in microseconds.
   EXPECT_EQ(by_tile[7]["ts"], 30'000);
   EXPECT_EQ(by_tile[7]["dur"], 30'000);

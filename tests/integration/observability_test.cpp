@@ -60,11 +60,11 @@ TEST_F(ObservabilityTest, ATraceHasOneCompleteEventATile) {
     files += event["cat"] == "assembly";
     commits += event["cat"] == "commit";
     if (event["cat"] != "tile") continue;
-    ++tiles[{event["args"]["frame"], event["args"]["tile"]}];
+    ++tiles[{event["args"]["frame"].get<int>(), event["args"]["tile"].get<int>()}];
     EXPECT_GT(event["args"]["lease"], 0);
     EXPECT_GE(event["args"]["received_us"].get<double>(), event["args"]["granted_us"].get<double>());
     EXPECT_GE(event["args"]["durable_us"].get<double>(), event["args"]["received_us"].get<double>());
-    double& free = busy_until[{event["pid"], event["tid"]}];
+    double& free = busy_until[{event["pid"].get<int>(), event["tid"].get<int>()}];
     EXPECT_GE(event["ts"].get<double>(), free - 1) << "two tiles at once in one row: " << event;
     free = event["ts"].get<double>() + event["dur"].get<double>();
   }
