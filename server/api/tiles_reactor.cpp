@@ -23,7 +23,7 @@ absl::Status TilesReactor::FindNews(bool& ended) {
   SL_ASSIGN_OR_RETURN(const JobSnapshot job, farm().Get(job_id()));
   SL_ASSIGN_OR_RETURN(const Farm::FrameView view, farm().ViewFrame(job_id(), request_.frame()));
   const bool finished = view.frame.state == FrameState::kFinished;
-  ended = finished || HasEnded(job.state());
+  ended = finished || HasEnded(job.state);
   const int side = int(request_.side());
   if (told_.empty()) told_.resize(size_t(view.frame.tiles_total));
   SL_ASSIGN_OR_RETURN(std::vector<FrameThumbnails::Tile> tiles,
