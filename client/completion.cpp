@@ -12,11 +12,14 @@ namespace {
 class CompletionCommandLine : public Command {
  public:
   void Declare(CLI::App& app) override {
-    AddValue(app, "SHELL", "", "", "The shell: bash or zsh", [this](const std::string& text) {
-      if (text != "bash" && text != "zsh") return absl::InvalidArgumentError("must be bash or zsh");
-      shell_ = text;
-      return absl::OkStatus();
-    })->required();
+    AddValue(app, "SHELL", "", "", "The shell: bash or zsh",
+             [this](const std::string& text) {
+               if (text != "bash" && text != "zsh") return absl::InvalidArgumentError("must be bash or zsh");
+               shell_ = text;
+               return absl::OkStatus();
+             })
+        ->required()
+        ->option_text("bash|zsh");
     AddExamples(app, {"shutterline completion bash", "shutterline completion zsh"},
                 "bash: source <(shutterline completion bash), in ~/.bashrc\n"
                 "zsh:  source <(shutterline completion zsh), in ~/.zshrc after compinit\n"

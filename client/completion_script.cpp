@@ -90,7 +90,7 @@ _shutterline_files() {
   mapfile -t COMPREPLY < <(compgen -f -- "${COMP_WORDS[COMP_CWORD]}")
 }
 _shutterline() {
-  local command= options arguments i
+  local command="" options arguments i
   COMPREPLY=()
   for ((i = 1; i < COMP_CWORD; i++)); do
     case ${COMP_WORDS[i]} in

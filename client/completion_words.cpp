@@ -32,8 +32,10 @@ CompletionOption Describe(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) described.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) described.names.push_back("--" + name);
   described.description = absl::StrReplaceAll(option.get_description(), {{"\n", " "}});
+  std::string listed;
   if (option.get_positional()) {
     described.value = option.get_name(true);
+    listed = option.get_option_text();
     // `compare` calls its two pictures A and B.
     described.file = described.value.size() == 1 || NamesFile(described.value);
   } else if (option.get_items_expected_max() > 0) {
@@ -43,10 +45,11 @@ CompletionOption Describe(const CLI::Option& option) {
     described.value = std::string(absl::StripAsciiWhitespace(text.substr(0, text.find(" ["))));
     if (described.value.empty()) described.value = "VALUE";
     described.file = NamesFile(described.value);
+    listed = described.value;
   } else {
     return described;
   }
-  for (const absl::string_view word : absl::StrSplit(described.value, '|')) {
+  for (const absl::string_view word : absl::StrSplit(listed, '|')) {
     if (IsLiteral(word)) described.words.emplace_back(word);
   }
   return described;

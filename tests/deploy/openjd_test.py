@@ -66,12 +66,12 @@ class OpenJobDescriptionTest(unittest.TestCase):
             script = programs.folder / "run"
             script.write_text(REFERENCE.sub(lambda match: values[match[1]], file["data"]))
             folder = program("shutterline-worker").rpartition("/")[0]
-            task = programs.start("worker-task", ["bash", script], env={"PATH": f"{folder}:/usr/bin:/bin"})
+            task = programs.start("task", ["bash", script], env={"PATH": f"{folder}:/usr/bin:/bin"})
             farm.wait_for_workers(1)
             self.assertTrue(farm.workers()[0]["name"].endswith(":1"))
             task.terminate()
-            self.assertEqual(task.wait(20), 0, programs.log("worker-task").read_text())
-            self.assertIn("draining", programs.log("worker-task").read_text())
+            self.assertEqual(task.wait(20), 0, programs.log("task").read_text())
+            self.assertIn("draining", programs.log("task").read_text())
             farm.wait_for_workers(0)
 
 

@@ -6,7 +6,7 @@ import subprocess
 from programs import program
 
 # Options of parts that come with other changes; whoever adds one takes it out of here.
-COMING = {"shutterline-server": {"--http", "--tls-cert", "--tls-key", "--tls-client-ca"},
+COMING = {"shutterline-server": {"--tls-cert", "--tls-key", "--tls-client-ca"},
           "shutterline-worker": {"--tls-ca", "--tls-cert", "--tls-key"}}
 _OPTION = re.compile(r"^ +(?:-\w,)?(--[a-z-]+)", re.MULTILINE)
 

@@ -38,6 +38,8 @@ AccountingStorageType=accounting_storage/none
 MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
+# A job starts at once, not after some seconds' thought.
+SchedulerParameters=batch_sched_delay=0,sched_min_interval=0,sched_interval=1
 # What is lost here is to be missed by our coordinator, long before Slurm misses it.
 SlurmdTimeout=40
 KillWait=5

@@ -37,6 +37,16 @@ def skip(reason):
     sys.exit(1 if os.environ.get("SHUTTERLINE_NO_SKIP") == "1" else SKIPPED)
 
 
+def isolate():
+    """Runs this test anew in a process namespace of its own, where that is allowed: all that it starts ends with
+    it, whatever detaches itself and however the test ends."""
+    words = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc"]
+    if os.environ.get("SHUTTERLINE_ISOLATED") != "1" and shutil.which("unshare") and subprocess.run(
+            [*words, "true"], capture_output=True).returncode == 0:
+        os.environ["SHUTTERLINE_ISOLATED"] = "1"
+        os.execvp(words[0], [*words, sys.executable, "-B", *sys.argv])
+
+
 def say(text):
     print(f"{time.strftime('%H:%M:%S')} {text}", flush=True)
 
