@@ -8,9 +8,11 @@
 #include <thread>
 
 #include "common/base/log.h"
+#include "proto/credentials/channel_credentials.h"
 #include "worker/config.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
+#include "worker/memory_limit.h"
 #include "worker/session/channel.h"
 #include "worker/worker.h"
 
@@ -48,6 +50,13 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
+  if (config->memory_bytes > 0) {
+    if (const absl::Status status = worker::LimitMemory(config->memory_bytes); !status.ok()) {
+      std::fprintf(stderr, "shutterline-worker: %s\n", std::string(status.message()).c_str());
+      return 1;
+    }
+  }
+
   std::shared_ptr<engine::ShadingCache> cache;
   if (config->shading_cache_bytes > 0) {
     auto made = engine::ShadingCache::Create(config->shading_cache_bytes);
@@ -58,7 +67,13 @@ int main(int argc, char** argv) {
     cache = *std::move(made);
   }
   worker::EngineFrameRendererFactory engine(cache);
-  auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator), config->worker, engine);
+  const auto credentials = credentials::MakeChannelCredentials(config->security, config->coordinator);
+  if (!credentials.ok()) {
+    std::fprintf(stderr, "shutterline-worker: %s\n", std::string(credentials.status().message()).c_str());
+    return 2;
+  }
+  auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator, *credentials),
+                                      config->worker, engine);
   if (!worker.ok()) {
     std::fprintf(stderr, "shutterline-worker: %s\n", worker.status().ToString().c_str());
     return 1;

@@ -4,7 +4,8 @@
 
 namespace shutterline::worker {
 
-std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port) {
+std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port,
+                                               const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
@@ -16,7 +17,7 @@ std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port) {
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   // A job's description names its files: the protocol allows 10,000 of up to 1 KiB.
   arguments.SetMaxReceiveMessageSize(64 << 20);
-  return grpc::CreateCustomChannel(host_port, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(host_port, credentials, arguments);
 }
 
 }  // namespace shutterline::worker
