@@ -14,9 +14,9 @@ struct StreamLimits {
         deadlines(clock),
         sessions("Session", given.max_sessions),
         results("PushResults", given.max_sessions),
-        watches("Watch", given.max_watches),
+        watches("Watch and ReadTiles", given.max_watches),
         uploads("Write", given.max_uploads),
-        downloads("Read and FetchFrame", given.max_downloads),
+        downloads("Read, FetchFrame, ReadLog and ReadTrace", given.max_downloads),
         upload_quota(given.max_uploading_bytes) {}
 
   const StreamConfig config;

@@ -150,7 +150,7 @@ TEST_F(StreamLimitsTest, MoreStreamsThanAllowedAreRefusedAndNoMoreIsLost) {
     EXPECT_FALSE(third->Read(&event));
     const grpc::Status status = third->Finish();
     EXPECT_EQ(status.error_code(), Code::RESOURCE_EXHAUSTED);
-    EXPECT_THAT(status.error_message(), HasSubstr("2 Watch streams are open"));
+    EXPECT_THAT(status.error_message(), HasSubstr("2 Watch and ReadTiles streams are open"));
   }
   contexts[0]->TryCancel();
   EXPECT_EQ(watches[0]->Finish().error_code(), Code::CANCELLED);
