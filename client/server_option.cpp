@@ -9,6 +9,7 @@
 #include "client/human.h"
 #include "client/parse.h"
 #include "common/base/status_macros.h"
+#include "proto/credentials/channel_credentials.h"
 
 namespace shutterline::client {
 

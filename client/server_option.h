@@ -8,7 +8,7 @@
 
 #include "client/command_line.h"
 #include "client/connection.h"
-#include "proto/credentials/channel_credentials.h"
+#include "common/base/dial_security.h"
 
 namespace shutterline::client {
 
@@ -28,7 +28,7 @@ class ServerOption {
 
  private:
   std::string host_port_;
-  credentials::DialSecurity security_;
+  DialSecurity security_;
 };
 
 /// OK for "HOST:PORT" with a port from 1 to 65535; the host is a name, an IPv4 address or an IPv6 address

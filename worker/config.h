@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "proto/credentials/channel_credentials.h"
+#include "common/base/dial_security.h"
 #include "worker/worker.h"
 
 namespace shutterline::worker {
@@ -14,7 +14,7 @@ inline constexpr uint64_t kDefaultShadingCacheBytes = uint64_t{256} << 20;
 /// What the command line of shutterline-worker says.
 struct Config {
   std::string coordinator;  ///< "HOST:PORT".
-  credentials::DialSecurity security;
+  DialSecurity security;
   std::string log_level = "info";
   WorkerOptions worker;
   uint64_t memory_bytes = 0;  ///< What the process may take; 0: what the machine gives.

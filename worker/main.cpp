@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "common/base/log.h"
-#include "proto/credentials/channel_credentials.h"
 #include "worker/config.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
@@ -67,13 +66,12 @@ int main(int argc, char** argv) {
     cache = *std::move(made);
   }
   worker::EngineFrameRendererFactory engine(cache);
-  const auto credentials = credentials::MakeChannelCredentials(config->security, config->coordinator);
-  if (!credentials.ok()) {
-    std::fprintf(stderr, "shutterline-worker: %s\n", std::string(credentials.status().message()).c_str());
+  const auto channel = worker::DialCoordinator(config->coordinator, config->security);
+  if (!channel.ok()) {
+    std::fprintf(stderr, "shutterline-worker: %s\n", std::string(channel.status().message()).c_str());
     return 2;
   }
-  auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator, *credentials),
-                                      config->worker, engine);
+  auto worker = worker::Worker::Start(*channel, config->worker, engine);
   if (!worker.ok()) {
     std::fprintf(stderr, "shutterline-worker: %s\n", worker.status().ToString().c_str());
     return 1;

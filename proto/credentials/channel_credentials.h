@@ -6,14 +6,9 @@
 #include <memory>
 #include <string>
 
-namespace shutterline::credentials {
+#include "common/base/dial_security.h"
 
-/// How a client or a worker speaks to a coordinator: names of files, each of which may be empty.
-struct DialSecurity {
-  std::string tls_ca;             ///< Whom to trust; given, everything is encrypted.
-  std::string tls_cert, tls_key;  ///< Who we are. Both or none, and with `tls_ca` alone.
-  std::string token_file;         ///< Or so. Without `tls_ca` only to a loopback address.
-};
+namespace shutterline::credentials {
 
 /// The credentials for a channel to `host_port`. INVALID_ARGUMENT where the options do not go together;
 /// otherwise what is wrong with a file. A token never leaves the machine unencrypted: FAILED_PRECONDITION

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include <csetjmp>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -49,9 +48,9 @@ std::string BlackPng(uint32_t side) {
 /// A triangle with this picture on it.
 GltfBuilder Textured(const std::string& png) {
   GltfBuilder file;
-  file.json["images"] = {{{"mimeType", "image/png"}, {"bufferView", file.View(png)}}};
-  file.json["textures"] = {{{"source", 0}}};
-  file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  file.Add("images", {{"mimeType", "image/png"}, {"bufferView", file.View(png)}});
+  file.Add("textures", {{"source", 0}});
+  file.Add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
   const int positions = file.Floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
   const int uv = file.Floats("VEC2", {0, 0, 1, 0, 0, 1});
   file.Draw(file.Mesh({{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", uv}}}, {"material", 0}}));
@@ -110,7 +109,7 @@ TEST_F(HostileSceneTest, BombsAreRefusedWithAReasonWhileAnotherJobIsRendered) {
   deep.DrawTriangle();
   for (int i = 0; i < 5'000; ++i) {
     deep.Add("nodes", json::object());
-    deep.json["nodes"][size_t(i)]["children"] = {i + 1};
+    deep.json["nodes"][size_t(i)]["children"] = json::array({i + 1});
   }
   EXPECT_THAT(Refusal(Write("deep.glb", deep.Glb())), HasSubstr("512"));
   GltfBuilder nested;

@@ -2,10 +2,14 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include "common/base/status_macros.h"
+#include "proto/credentials/channel_credentials.h"
+
 namespace shutterline::worker {
 
-std::shared_ptr<grpc::Channel> DialCoordinator(const std::string& host_port,
-                                               const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+absl::StatusOr<std::shared_ptr<grpc::Channel>> DialCoordinator(const std::string& host_port,
+                                                               const DialSecurity& security) {
+  SL_ASSIGN_OR_RETURN(const auto credentials, credentials::MakeChannelCredentials(security, host_port));
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
