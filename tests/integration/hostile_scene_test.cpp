@@ -17,9 +17,9 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::vector<std::string> kPicture = {"--size", "64x64", "--float", "--frame", "0"};
+const std::vector<std::string> kHostilePicture = {"--size", "64x64", "--float", "--frame", "0"};
 
-std::vector<std::string> With(std::vector<std::string> words, const std::vector<std::string>& more) {
+std::vector<std::string> Joined(std::vector<std::string> words, const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -80,7 +80,7 @@ class HostileSceneTest : public testing::Test {
   /// Submits a scene that must be refused.
   std::string Refusal(const std::string& file, const std::vector<std::string>& more = {}) {
     const Farm::Ended ended =
-        farm_.Client(With(With({"submit", file, "--server", farm_.Address()}, kPicture), more));
+        farm_.Client(Joined(Joined({"submit", file, "--server", farm_.Address()}, kHostilePicture), more));
     EXPECT_EQ(ended.status, 1) << file << " was taken: " << ended.output;
     return ended.errors;
   }
@@ -91,7 +91,7 @@ class HostileSceneTest : public testing::Test {
 TEST_F(HostileSceneTest, BombsAreRefusedWithAReasonWhileAnotherJobIsRendered) {
   farm_.StartServer();
   farm_.StartWorker("w", 1);
-  const std::string honest = farm_.Submit(With({farm_.Scene("fan")}, kPicture));
+  const std::string honest = farm_.Submit(Joined({farm_.Scene("fan")}, kHostilePicture));
 
   std::string huge = BlackPng(8);
   const auto put_side = [&huge](size_t at, uint32_t side) {
@@ -148,8 +148,9 @@ TEST_F(HostileSceneTest, AWorkerWithABoundFailsTheTileThatNeedsMoreAndGoesOn) {
   farm_.worker_flags = {"--memory-mb", "700", "--cache-mb", "16"};
   farm_.StartWorker("small", 1);
   // Within the limits of the importer, beyond those of this worker.
-  const std::string greedy = farm_.Submit(With({Write("greedy.glb", Instanced(11'000).Glb())}, kPicture));
-  const std::string honest = farm_.Submit(With({farm_.Scene("fan")}, kPicture));
+  const std::string greedy =
+      farm_.Submit(Joined({Write("greedy.glb", Instanced(11'000).Glb())}, kHostilePicture));
+  const std::string honest = farm_.Submit(Joined({farm_.Scene("fan")}, kHostilePicture));
   const Farm::Ended watch = farm_.Client({"watch", greedy, "--server", farm_.Address()});
   EXPECT_NE(watch.status, 0) << watch.output;
   EXPECT_THAT(watch.output + watch.errors, HasSubstr("memory"));

@@ -93,35 +93,34 @@ TEST_F(SecurityTest, AFarmWithTokensRendersTheSamePicture) {
 TEST_F(SecurityTest, RolesAreKeptApartForEveryServiceOfThePort) {
   StartTls();
   MakeCertificates(certs_, {"admin", "carol"});
-  using Code = grpc::StatusCode;
   const std::string list("\x3a\x00", 2);  // ServerReflectionRequest: list_services.
   const std::string reflection = "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
   const struct {
     const char* who;
     std::string path, message;
-    Code code;
+    grpc::StatusCode code;
   } cases[] = {
-      {"", "/grpc.health.v1.Health/Check", "", Code::OK},
-      {"worker-node1", "/grpc.health.v1.Health/Check", "", Code::OK},
-      {"", "/shutterline.v1.Jobs/List", "", Code::UNAUTHENTICATED},
-      {"", reflection, list, Code::UNAUTHENTICATED},
-      {"client-alice", "/shutterline.v1.Jobs/List", "", Code::OK},
-      {"admin-carol", "/shutterline.v1.Jobs/List", "", Code::OK},
-      {"worker-node1", "/shutterline.v1.Jobs/List", "", Code::PERMISSION_DENIED},
-      {"worker-node1", "/shutterline.v1.Jobs/GetCapabilities", "", Code::OK},
-      {"client-alice", reflection, list, Code::OK},
-      {"worker-node1", reflection, list, Code::PERMISSION_DENIED},
-      {"client-alice", "/shutterline.v1.Workers/Register", "", Code::PERMISSION_DENIED},
-      {"client-alice", "/shutterline.v1.Workers/Session", "", Code::PERMISSION_DENIED},
-      {"admin-carol", "/shutterline.v1.Workers/PushResults", "", Code::PERMISSION_DENIED},
-      {"worker-node1", "/shutterline.v1.Blobs/Write", "", Code::PERMISSION_DENIED},
-      {"client-alice", "/shutterline.v1.Blobs/Read", "", Code::PERMISSION_DENIED},
-      {"client-alice", "/shutterline.v1.Jobs/NoSuch", "", Code::UNIMPLEMENTED},
+      {"", "/grpc.health.v1.Health/Check", "", grpc::StatusCode::OK},
+      {"worker-node1", "/grpc.health.v1.Health/Check", "", grpc::StatusCode::OK},
+      {"", "/shutterline.v1.Jobs/List", "", grpc::StatusCode::UNAUTHENTICATED},
+      {"", reflection, list, grpc::StatusCode::UNAUTHENTICATED},
+      {"client-alice", "/shutterline.v1.Jobs/List", "", grpc::StatusCode::OK},
+      {"admin-carol", "/shutterline.v1.Jobs/List", "", grpc::StatusCode::OK},
+      {"worker-node1", "/shutterline.v1.Jobs/List", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"worker-node1", "/shutterline.v1.Jobs/GetCapabilities", "", grpc::StatusCode::OK},
+      {"client-alice", reflection, list, grpc::StatusCode::OK},
+      {"worker-node1", reflection, list, grpc::StatusCode::PERMISSION_DENIED},
+      {"client-alice", "/shutterline.v1.Workers/Register", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"client-alice", "/shutterline.v1.Workers/Session", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"admin-carol", "/shutterline.v1.Workers/PushResults", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"worker-node1", "/shutterline.v1.Blobs/Write", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"client-alice", "/shutterline.v1.Blobs/Read", "", grpc::StatusCode::PERMISSION_DENIED},
+      {"client-alice", "/shutterline.v1.Jobs/NoSuch", "", grpc::StatusCode::UNIMPLEMENTED},
   };
   for (const auto& c : cases) {
     const grpc::Status status = Call(As(c.who), c.path, c.message);
     EXPECT_EQ(status.error_code(), c.code) << c.who << " " << c.path << ": " << status.error_message();
-    if (status.ok() || c.code == Code::UNIMPLEMENTED) continue;
+    if (status.ok() || c.code == grpc::StatusCode::UNIMPLEMENTED) continue;
     EXPECT_THAT(status.error_message(), HasSubstr(c.path));
     EXPECT_THAT(status.error_message(), HasSubstr("for the role"));
   }
