@@ -29,10 +29,11 @@ grpc::ChannelArguments NetworkArguments() {
 
 }  // namespace
 
-std::unique_ptr<Connection> Connection::Dial(const std::string& host_port, Options options) {
-  return std::make_unique<Connection>(
-      grpc::CreateCustomChannel(host_port, grpc::InsecureChannelCredentials(), NetworkArguments()),
-      absl::StrCat("server ", host_port), std::move(options));
+std::unique_ptr<Connection> Connection::Dial(const std::string& host_port,
+                                             const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+                                             Options options) {
+  return std::make_unique<Connection>(grpc::CreateCustomChannel(host_port, credentials, NetworkArguments()),
+                                      absl::StrCat("server ", host_port), std::move(options));
 }
 
 Connection::Connection(std::shared_ptr<grpc::Channel> channel, std::string peer, Options options)

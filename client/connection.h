@@ -34,8 +34,11 @@ class Connection {
     std::function<void(absl::string_view)> on_wait;
   };
 
-  /// To a coordinator over the network. Nothing is dialled before the first call.
-  static std::unique_ptr<Connection> Dial(const std::string& host_port, Options options);
+  /// To a coordinator over the network, as secure as `credentials` are. Nothing is dialled before the first
+  /// call.
+  static std::unique_ptr<Connection> Dial(const std::string& host_port,
+                                          const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+                                          Options options);
   /// Over a channel that exists; `peer` names it in messages.
   Connection(std::shared_ptr<grpc::Channel> channel, std::string peer, Options options);
 

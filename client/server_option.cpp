@@ -9,6 +9,7 @@
 #include "client/human.h"
 #include "client/parse.h"
 #include "common/base/status_macros.h"
+#include "proto/credentials/channel_credentials.h"
 
 namespace shutterline::client {
 
@@ -39,6 +40,27 @@ void ServerOption::Declare(CLI::App& app) {
              return absl::OkStatus();
            })
       ->envname("SHUTTERLINE_SERVER");
+  const struct {
+    const char *name, *variable, *description;
+    std::string& file;
+  } files[] = {
+      {"--tls-ca", "SHUTTERLINE_TLS_CA",
+       "Authority (PEM) that the server is checked by:\neverything is encrypted", security_.tls_ca},
+      {"--tls-cert", "SHUTTERLINE_TLS_CERT", "Your certificate (PEM)", security_.tls_cert},
+      {"--tls-key", "SHUTTERLINE_TLS_KEY", "Its private key (PEM)", security_.tls_key},
+      {"--token-file", "SHUTTERLINE_TOKEN_FILE",
+       "File of a token, which says who you are instead\nof a certificate", security_.token_file},
+  };
+  for (const auto& option : files) {
+    std::string& file = option.file;
+    AddValue(app, option.name, "FILE", absl::StrCat("$", option.variable), option.description,
+             [&file](const std::string& text) {
+               file = text;
+               return absl::OkStatus();
+             })
+        ->envname(option.variable)
+        ->group("Security");
+  }
 }
 
 absl::Status ServerOption::Check() const {
@@ -56,7 +78,8 @@ absl::StatusOr<std::unique_ptr<Connection>> ServerOption::Connect(Console& conso
       console.err << Printable(text) << "\n" << std::flush;
     };
   }
-  std::unique_ptr<Connection> connection = Connection::Dial(host_port_, std::move(options));
+  SL_ASSIGN_OR_RETURN(const auto credentials, credentials::MakeChannelCredentials(security_, host_port_));
+  std::unique_ptr<Connection> connection = Connection::Dial(host_port_, credentials, std::move(options));
   SL_RETURN_IF_ERROR(Greet(*connection).status());
   return connection;
 }

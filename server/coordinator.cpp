@@ -13,16 +13,20 @@
 #include <utility>
 
 #include "common/base/build_id.h"
+#include "common/base/host_port.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/protocol.h"
 #include "server/api/asset_service.h"
 #include "server/api/job_service.h"
+#include "server/api/stream_limits.h"
 #include "server/api/worker_service.h"
 #include "server/assemble/frame_thumbnails.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/blob_scene_source.h"
 #include "server/assets/disk_asset_store.h"
 #include "server/assets/metrics_asset_store.h"
+#include "server/auth/authorizer.h"
+#include "server/auth/server_credentials.h"
 #include "server/control/farm.h"
 #include "server/control/result_committer.h"
 #include "server/control/work_pool.h"
@@ -104,6 +108,8 @@ class Coordinator::Impl {
   std::unique_ptr<Farm> farm_;
   std::unique_ptr<WorkPool> frames_pool_, pool_, submit_pool_;
   std::unique_ptr<ResultCommitter> committer_;
+  std::shared_ptr<const Authorizer> authorizer_;
+  std::unique_ptr<StreamLimits> limits_;
   std::unique_ptr<JobService> job_service_;
   std::unique_ptr<AssetService> asset_service_;
   std::unique_ptr<WorkerService> worker_service_;
@@ -158,15 +164,24 @@ absl::Status Coordinator::Impl::OpenStores() {
 absl::Status Coordinator::Impl::StartServer() {
   committer_ =
       std::make_unique<ResultCommitter>(*farm_, *journal_, config_.commit_interval, config_.commit_tiles);
-  job_service_ = std::make_unique<JobService>(
-      JobService::Parts{*farm_, timeline_, *logs_, *thumbnails_, config_, identity_, *pool_, *submit_pool_});
-  asset_service_ = std::make_unique<AssetService>(*counted_assets_, *pool_);
-  worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_);
+  SL_ASSIGN_OR_RETURN(authorizer_, Authorizer::Make(config_.security));
+  limits_ = std::make_unique<StreamLimits>(config_.streams, clock_);
+  job_service_ = std::make_unique<JobService>(JobService::Parts{*farm_, timeline_, *logs_, *thumbnails_,
+                                                                config_, identity_, *pool_, *submit_pool_,
+                                                                *authorizer_, *limits_});
+  asset_service_ = std::make_unique<AssetService>(*counted_assets_, *pool_, *limits_);
+  worker_service_ = std::make_unique<WorkerService>(*farm_, *committer_, config_, *limits_);
 
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   builder.SetMaxReceiveMessageSize(config_.max_message_bytes);
+  grpc::ResourceQuota buffers("coordinator");
+  builder.SetResourceQuota(buffers.Resize(size_t(config_.streams.max_buffer_bytes)));
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, config_.streams.max_streams_per_connection);
+  // Who dials and does not speak, or has nothing more to say, does not keep us.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
   // Pings of workers every 20 s, also between calls, are welcome.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
@@ -175,7 +190,8 @@ absl::Status Coordinator::Impl::StartServer() {
   // A port that another coordinator serves is taken.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   if (!config_.listen.empty()) {
-    builder.AddListeningPort(config_.listen, grpc::InsecureServerCredentials(), &port_);
+    SL_ASSIGN_OR_RETURN(const auto credentials, MakeServerCredentials(config_.security, authorizer_));
+    builder.AddListeningPort(config_.listen, credentials, &port_);
   }
   builder.RegisterService(job_service_.get());
   builder.RegisterService(asset_service_.get());
@@ -192,6 +208,12 @@ absl::Status Coordinator::Impl::StartHttp() {
   HttpServer::Parts parts;
   parts.listen = config_.http;
   parts.names = config_.http_names;
+  if (config_.security.authenticates()) {
+    // Over HTTP nobody can say who he is.
+    parts.may_control = [](const HttpRequestFacts&) {
+      return absl::PermissionDeniedError("this coordinator asks callers who they are: use the command line");
+    };
+  }
   parts.clock = &clock_;
   parts.farm = farm_.get();
   parts.journal = journal_.get();
@@ -210,9 +232,16 @@ absl::Status Coordinator::Impl::Start() {
   SL_RETURN_IF_ERROR(StartServer());
   SL_RETURN_IF_ERROR(StartHttp());
   ticker_ = std::thread([this] { TickUntilStopped(); });
-  spdlog::info("coordinator serves listen={} port={} data={} epoch={} build={}",
-               config_.listen.empty() ? "in-process" : config_.listen, port_, config_.data_dir,
-               farm_->epoch(), kBuildId);
+  const ListenSecurity& security = config_.security;
+  spdlog::info("coordinator serves listen={} port={} tls={} callers={} data={} epoch={} build={}",
+               config_.listen.empty() ? "in-process" : config_.listen, port_, security.encrypts(),
+               security.authenticates() ? "named" : "anybody", config_.data_dir, farm_->epoch(), kBuildId);
+  if (!config_.listen.empty() && !security.authenticates()) {
+    spdlog::warn("callers are not asked who they are, and nothing is encrypted: {}",
+                 IsLoopback(HostOf(config_.listen))
+                     ? "only this machine can call"
+                     : "every machine that reaches this port may do everything");
+  }
   return absl::OkStatus();
 }
 
@@ -223,6 +252,7 @@ void Coordinator::Impl::TickUntilStopped() {
       if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), kTick)) return;
     }
     farm_->Tick();
+    limits_->deadlines.Tick();
   }
 }
 

@@ -42,6 +42,17 @@ void Declare(CLI::App& app, Options& options) {
       "A name under which browsers may ask for the dashboard, beside addresses and localhost; may be "
       "repeated");
   app.add_option("--http-port-file", options.http_port_file, "File to write the port of --http to");
+  shutterline::server::ListenSecurity& security = options.config.security;
+  app.add_option("--tls-cert", security.tls_cert,
+                 "The coordinator's certificate (PEM): everything is encrypted")
+      ->type_name("FILE");
+  app.add_option("--tls-key", security.tls_key, "Its private key (PEM)")->type_name("FILE");
+  app.add_option("--tls-client-ca", security.tls_client_ca,
+                 "Authority (PEM) whose certificates callers may show; they hold the callers' roles")
+      ->type_name("FILE");
+  app.add_option("--token-file", security.token_file,
+                 "Lines 'role name sha256': tokens that callers may show instead")
+      ->type_name("FILE");
   app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();

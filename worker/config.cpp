@@ -36,6 +36,13 @@ std::string CheckHostPort(const std::string& value) {
   return "";
 }
 
+/// Empty if `value` is 0 or what a worker can start with, MiB; else what is wrong.
+std::string CheckMemory(const std::string& value) {
+  uint64_t mb = 0;
+  if (absl::SimpleAtoi(value, &mb) && (mb == 0 || (mb >= 512 && mb <= uint64_t{1} << 32))) return "";
+  return absl::StrCat("'", value, "' is neither 0 nor at least 512");
+}
+
 }  // namespace
 
 std::filesystem::path DefaultCacheDir() {
@@ -65,6 +72,20 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
       ->type_name("HOST:PORT")
       ->required()
       ->check(CLI::Validator(CheckHostPort, "", "host:port"));
+  app.add_option("--tls-ca", config.security.tls_ca,
+                 "Authority (PEM) that the coordinator is checked by: everything is encrypted")
+      ->type_name("FILE")
+      ->envname("SHUTTERLINE_TLS_CA");
+  app.add_option("--tls-cert", config.security.tls_cert, "This worker's certificate (PEM)")
+      ->type_name("FILE")
+      ->envname("SHUTTERLINE_TLS_CERT");
+  app.add_option("--tls-key", config.security.tls_key, "Its private key (PEM)")
+      ->type_name("FILE")
+      ->envname("SHUTTERLINE_TLS_KEY");
+  app.add_option("--token-file", config.security.token_file,
+                 "File of a token, which says who this worker is instead of a certificate")
+      ->type_name("FILE")
+      ->envname("SHUTTERLINE_TOKEN_FILE");
   app.add_option("--threads", config.worker.threads, "Threads that render (0: one for each processor)")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
@@ -79,6 +100,12 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
                      "What shadings may take of the memory, MiB; no pixel depends on it")
           ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 24))
           ->capture_default_str();
+  uint64_t memory_mb = 0;
+  app.add_option(
+         "--memory-mb", memory_mb,
+         "What the whole worker may take of the memory, MiB: scenes that need more fail (0: no limit)")
+      ->check(CLI::Validator(CheckMemory, "", "memory"))
+      ->capture_default_str();
   bool no_shading_cache = false;
   app.add_flag("--no-shading-cache", no_shading_cache, "Keep no shadings")->excludes(shading_cache);
   app.add_option("--name", config.worker.name, "How people know this worker (default HOST:PID)");
@@ -95,6 +122,7 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   }
   config.worker.cache_dir = cache_dir;
   config.worker.cache_bytes = cache_mb << 20;
+  config.memory_bytes = memory_mb << 20;
   config.shading_cache_bytes = no_shading_cache ? 0 : shading_cache_mb << 20;
   return config;
 }

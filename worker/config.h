@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/dial_security.h"
 #include "worker/worker.h"
 
 namespace shutterline::worker {
@@ -13,8 +14,10 @@ inline constexpr uint64_t kDefaultShadingCacheBytes = uint64_t{256} << 20;
 /// What the command line of shutterline-worker says.
 struct Config {
   std::string coordinator;  ///< "HOST:PORT".
+  DialSecurity security;
   std::string log_level = "info", log_format = "text";
   WorkerOptions worker;
+  uint64_t memory_bytes = 0;  ///< What the process may take; 0: what the machine gives.
   uint64_t shading_cache_bytes = kDefaultShadingCacheBytes;  ///< 0: none.
 };
 

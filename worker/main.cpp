@@ -13,6 +13,7 @@
 #include "worker/config.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
+#include "worker/memory_limit.h"
 #include "worker/session/channel.h"
 #include "worker/worker.h"
 
@@ -53,6 +54,13 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
+  if (config->memory_bytes > 0) {
+    if (const absl::Status status = worker::LimitMemory(config->memory_bytes); !status.ok()) {
+      std::fprintf(stderr, "shutterline-worker: %s\n", std::string(status.message()).c_str());
+      return 1;
+    }
+  }
+
   std::shared_ptr<engine::ShadingCache> cache;
   if (config->shading_cache_bytes > 0) {
     auto made = engine::ShadingCache::Create(config->shading_cache_bytes);
@@ -63,7 +71,12 @@ int main(int argc, char** argv) {
     cache = *std::move(made);
   }
   worker::EngineFrameRendererFactory engine(cache);
-  auto worker = worker::Worker::Start(worker::DialCoordinator(config->coordinator), config->worker, engine);
+  const auto channel = worker::DialCoordinator(config->coordinator, config->security);
+  if (!channel.ok()) {
+    std::fprintf(stderr, "shutterline-worker: %s\n", std::string(channel.status().message()).c_str());
+    return 2;
+  }
+  auto worker = worker::Worker::Start(*channel, config->worker, engine);
   if (!worker.ok()) {
     std::fprintf(stderr, "shutterline-worker: %s\n", worker.status().ToString().c_str());
     return 1;

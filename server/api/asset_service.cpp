@@ -8,6 +8,7 @@
 #include "server/api/blob_reactors.h"
 #include "server/api/limits.h"
 #include "server/api/unary.h"
+#include "server/api/wire.h"
 
 namespace shutterline::server {
 
@@ -32,8 +33,15 @@ absl::Status AssetService::DoFindMissing(const v1::DigestList& request, v1::Dige
 }
 
 grpc::ServerUnaryReactor* AssetService::FindMissing(grpc::CallbackServerContext* context,
-                                                    const v1::DigestList* request, v1::DigestList* response) {
-  return AnswerFrom(pool_, context, [this, request, response] { return DoFindMissing(*request, *response); });
+                                                    const grpc::ByteBuffer* request,
+                                                    grpc::ByteBuffer* response) {
+  return AnswerFrom(pool_, context, [this, request, response]() -> absl::Status {
+    v1::DigestList digests, missing;
+    SL_RETURN_IF_ERROR(Decode(*request, digests));
+    SL_RETURN_IF_ERROR(DoFindMissing(digests, missing));
+    *response = Encode(missing);
+    return absl::OkStatus();
+  });
 }
 
 grpc::ServerUnaryReactor* AssetService::QueryWrite(grpc::CallbackServerContext* context,
@@ -49,12 +57,12 @@ grpc::ServerUnaryReactor* AssetService::QueryWrite(grpc::CallbackServerContext* 
 
 grpc::ServerReadReactor<v1::BlobChunk>* AssetService::Write(grpc::CallbackServerContext* context,
                                                             v1::Committed* response) {
-  return new BlobWriteReactor(store_, pool_, context, response);  // Frees itself in OnDone.
+  return new BlobWriteReactor(store_, pool_, limits_, context, response);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::BlobChunk>* AssetService::Read(grpc::CallbackServerContext*,
                                                             const v1::ReadRequest* request) {
-  return new BlobReadReactor(store_, pool_, *request);  // Frees itself in OnDone.
+  return new BlobReadReactor(store_, pool_, limits_, *request);  // Frees itself in OnDone.
 }
 
 }  // namespace shutterline::server

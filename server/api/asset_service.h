@@ -1,5 +1,6 @@
 #pragma once
 
+#include "server/api/stream_limits.h"
 #include "server/assets/asset_store.h"
 #include "server/control/work_pool.h"
 #include "shutterline/v1/blobs.grpc.pb.h"
@@ -7,12 +8,13 @@
 namespace shutterline::server {
 
 /// The Blobs service over an AssetStore, which outlives it, as the pool does.
-class AssetService final : public v1::Blobs::CallbackService {
+class AssetService final : public v1::Blobs::WithRawCallbackMethod_FindMissing<v1::Blobs::CallbackService> {
  public:
-  AssetService(AssetStore& store, WorkPool& pool) : store_(store), pool_(pool) {}
+  AssetService(AssetStore& store, WorkPool& pool, StreamLimits& limits)
+      : store_(store), pool_(pool), limits_(limits) {}
 
-  grpc::ServerUnaryReactor* FindMissing(grpc::CallbackServerContext* context, const v1::DigestList* request,
-                                        v1::DigestList* response) override;
+  grpc::ServerUnaryReactor* FindMissing(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                        grpc::ByteBuffer* response) override;
   grpc::ServerReadReactor<v1::BlobChunk>* Write(grpc::CallbackServerContext* context,
                                                 v1::Committed* response) override;
   grpc::ServerUnaryReactor* QueryWrite(grpc::CallbackServerContext* context, const v1::Digest* request,
@@ -25,6 +27,7 @@ class AssetService final : public v1::Blobs::CallbackService {
 
   AssetStore& store_;
   WorkPool& pool_;
+  StreamLimits& limits_;
 };
 
 }  // namespace shutterline::server

@@ -9,19 +9,59 @@
 
 namespace shutterline::server {
 
-BlobWriteReactor::BlobWriteReactor(AssetStore& store, WorkPool& pool, grpc::CallbackServerContext* context,
-                                   v1::Committed* response)
-    : store_(store), pool_(pool), context_(context), response_(response) {
+BlobWriteReactor::BlobWriteReactor(AssetStore& store, WorkPool& pool, StreamLimits& limits,
+                                   grpc::CallbackServerContext* context, v1::Committed* response)
+    : store_(store), pool_(pool), limits_(limits), context_(context), response_(response) {
+  if (const absl::Status taken = slot_.Take(limits_.uploads); !taken.ok()) {
+    End(taken);
+    return;
+  }
+  ReadNext();
+}
+
+void BlobWriteReactor::ReadNext() {
+  absl::MutexLock lock(&mutex_);
+  stall_deadline_ = limits_.deadlines.Add(limits_.config.upload_stall, [this] { Expire(); });
+  reading_ = true;
   StartRead(&chunk_);
 }
 
+void BlobWriteReactor::Expire() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!reading_ || finished_) return;
+    finished_ = true;
+  }
+  writer_.reset();
+  Finish(convert::ToGrpc(absl::DeadlineExceededError(
+      absl::StrCat("no chunk came for ", absl::FormatDuration(limits_.config.upload_stall)))));
+}
+
+void BlobWriteReactor::OnDone() {
+  StreamDeadlines::Id deadline = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    deadline = stall_deadline_;
+  }
+  limits_.deadlines.Cancel(deadline);
+  delete this;
+}
+
 void BlobWriteReactor::OnReadDone(bool ok) {
+  StreamDeadlines::Id deadline = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    reading_ = false;
+    if (finished_) return;
+    deadline = stall_deadline_;
+  }
+  limits_.deadlines.Cancel(deadline);
   const bool accepted = pool_.Run([this, ok] {
     // Both ends of a stream look like this: the writer is done, or it is gone.
     if (!ok) return End(context_->IsCancelled() ? absl::CancelledError("the writer went away") : Complete());
     const absl::Status status = Store();
     if (!status.ok() || response_->complete()) return End(status);
-    StartRead(&chunk_);
+    ReadNext();
   });
   if (!accepted) End(absl::UnavailableError("the coordinator is stopping"));
 }
@@ -35,6 +75,7 @@ absl::Status BlobWriteReactor::Begin() {
     response_->set_complete(true);
     return absl::OkStatus();
   }
+  SL_RETURN_IF_ERROR(share_.Take(limits_.upload_quota, chunk_.size_bytes()));
   position_ = chunk_.offset();
   SL_ASSIGN_OR_RETURN(writer_, store_.Write(digest, chunk_.size_bytes(), position_));
   return absl::OkStatus();
@@ -63,12 +104,21 @@ absl::Status BlobWriteReactor::Complete() {
 }
 
 void BlobWriteReactor::End(const absl::Status& status) {
+  {
+    absl::MutexLock lock(&mutex_);
+    finished_ = true;
+  }
   writer_.reset();  // Before the client hears of it, so that it may write again at once.
   Finish(convert::ToGrpc(status));
 }
 
-BlobReadReactor::BlobReadReactor(AssetStore& store, WorkPool& pool, const v1::ReadRequest& request)
+BlobReadReactor::BlobReadReactor(AssetStore& store, WorkPool& pool, StreamLimits& limits,
+                                 const v1::ReadRequest& request)
     : store_(store), pool_(pool), request_(request) {
+  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
+    Finish(convert::ToGrpc(taken));
+    return;
+  }
   const bool accepted = pool_.Run([this] {
     const absl::Status status = Open();
     if (!status.ok()) return Finish(convert::ToGrpc(status));

@@ -9,8 +9,12 @@
 
 namespace shutterline::server {
 
-FetchReactor::FetchReactor(Farm& farm, WorkPool& pool, const v1::FrameRequest& request)
+FetchReactor::FetchReactor(Farm& farm, WorkPool& pool, StreamLimits& limits, const v1::FrameRequest& request)
     : farm_(farm), pool_(pool), request_(request) {
+  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
+    Finish(convert::ToGrpc(taken));
+    return;
+  }
   const bool accepted = pool_.Run([this] {
     const absl::Status status = Open();
     if (!status.ok()) return Finish(convert::ToGrpc(status));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "server/api/stream_limits.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
 #include "server/files/file.h"
@@ -15,7 +16,7 @@ namespace shutterline::server {
 /// One FetchFrame call: a chunk is read on the pool and written, then the next.
 class FetchReactor final : public grpc::ServerWriteReactor<v1::FrameChunk> {
  public:
-  FetchReactor(Farm& farm, WorkPool& pool, const v1::FrameRequest& request);
+  FetchReactor(Farm& farm, WorkPool& pool, StreamLimits& limits, const v1::FrameRequest& request);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override { delete this; }
@@ -26,6 +27,7 @@ class FetchReactor final : public grpc::ServerWriteReactor<v1::FrameChunk> {
 
   Farm& farm_;
   WorkPool& pool_;
+  StreamBudget::Slot slot_;
   const v1::FrameRequest request_;
   std::optional<File> file_;
   uint64_t offset_ = 0, size_ = 0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "proto/convert/status.h"
+#include "server/api/stream_budget.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
 
@@ -45,8 +46,10 @@ class FollowingReactor : public grpc::ServerWriteReactor<Message>, private JobWa
   FollowingReactor(Farm& farm, WorkPool& pool, std::string job_id)
       : farm_(farm), pool_(pool), job_id_(std::move(job_id)) {}
 
-  /// Last in the constructor of the class that is derived: from then on Next may be called.
-  void Start() {
+  /// Last in the constructor of the class that is derived: from then on Next may be called. The call ends at
+  /// once where `budget` is spent.
+  void Start(StreamBudget& budget) {
+    if (const absl::Status taken = slot_.Take(budget); !taken.ok()) return End(taken);
     if (!pool_.Run([this] { Begin(); })) End(absl::UnavailableError("the coordinator is stopping"));
   }
 
@@ -118,6 +121,7 @@ class FollowingReactor : public grpc::ServerWriteReactor<Message>, private JobWa
 
   Farm& farm_;
   WorkPool& pool_;
+  StreamBudget::Slot slot_;
   const std::string job_id_;
   bool watching_ = false;
   Message message_;

@@ -2,10 +2,12 @@
 
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
 #include "server/api/fetch_reactor.h"
@@ -15,6 +17,7 @@
 #include "server/api/trace_reactor.h"
 #include "server/api/unary.h"
 #include "server/api/watch_reactor.h"
+#include "server/api/wire.h"
 
 namespace shutterline::server {
 
@@ -28,11 +31,15 @@ grpc::ServerUnaryReactor* JobService::GetCapabilities(grpc::CallbackServerContex
 }
 
 grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* context,
-                                             const v1::SubmitRequest* request, v1::Job* response) {
-  return AnswerFrom(parts_.submit_pool, context, [this, request, response]() -> absl::Status {
-    SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(request->spec(), parts_.config.job_limits));
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(request->request_id(), spec));
-    *response = ToMessage(job, SpecDetail::kFull);
+                                             const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
+  return AnswerFrom(parts_.submit_pool, context, [this, context, request, response]() -> absl::Status {
+    v1::SubmitRequest wish;
+    SL_RETURN_IF_ERROR(Decode(*request, wish));
+    SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(wish.spec(), parts_.config.job_limits));
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(wish.request_id(), spec));
+    const Caller caller = parts_.authorizer.CallerOf(*context);
+    if (!caller.name.empty()) spdlog::info("job submitted job={} user={}", job.id, LogValue(caller.name));
+    *response = Encode(ToMessage(job, SpecDetail::kFull));
     return absl::OkStatus();
   });
 }
@@ -93,27 +100,30 @@ grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* c
 
 grpc::ServerWriteReactor<v1::JobEvent>* JobService::Watch(grpc::CallbackServerContext*,
                                                           const v1::WatchRequest* request) {
-  return new WatchReactor(parts_.farm, parts_.pool, *request);  // Frees itself in OnDone.
+  return new WatchReactor(parts_.farm, parts_.pool, parts_.limits, *request);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::FrameTrace>* JobService::ReadTrace(grpc::CallbackServerContext*,
                                                                 const v1::TraceRequest* request) {
-  return new TraceReactor(parts_.farm, parts_.timeline, parts_.pool, *request);  // Frees itself in OnDone.
+  // Frees itself in OnDone.
+  return new TraceReactor(parts_.farm, parts_.timeline, parts_.pool, parts_.limits, *request);
 }
 
 grpc::ServerWriteReactor<v1::FrameChunk>* JobService::FetchFrame(grpc::CallbackServerContext*,
                                                                  const v1::FrameRequest* request) {
-  return new FetchReactor(parts_.farm, parts_.pool, *request);  // Frees itself in OnDone.
+  return new FetchReactor(parts_.farm, parts_.pool, parts_.limits, *request);  // Frees itself in OnDone.
 }
 
 grpc::ServerWriteReactor<v1::TileUpdate>* JobService::ReadTiles(grpc::CallbackServerContext*,
                                                                 const v1::TilesRequest* request) {
-  return new TilesReactor(parts_.farm, parts_.thumbnails, parts_.pool, *request);  // Frees itself in OnDone.
+  // Frees itself in OnDone.
+  return new TilesReactor(parts_.farm, parts_.thumbnails, parts_.pool, parts_.limits, *request);
 }
 
 grpc::ServerWriteReactor<v1::LogChunk>* JobService::ReadLog(grpc::CallbackServerContext*,
                                                             const v1::LogRequest* request) {
-  return new LogReactor(parts_.farm, parts_.logs, parts_.pool, *request);  // Frees itself in OnDone.
+  // Frees itself in OnDone.
+  return new LogReactor(parts_.farm, parts_.logs, parts_.pool, parts_.limits, *request);
 }
 
 }  // namespace shutterline::server

@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "server/api/limits.h"
+#include "server/api/stream_limits.h"
 #include "server/assemble/frame_thumbnails.h"
+#include "server/auth/authorizer.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
 #include "server/logs/job_logs.h"
@@ -13,7 +15,7 @@
 namespace shutterline::server {
 
 /// The Jobs service: translates, and passes on. Its parts outlive it.
-class JobService final : public v1::Jobs::CallbackService {
+class JobService final : public v1::Jobs::WithRawCallbackMethod_Submit<v1::Jobs::CallbackService> {
  public:
   struct Parts {
     Farm& farm;
@@ -24,14 +26,16 @@ class JobService final : public v1::Jobs::CallbackService {
     CoordinatorIdentity identity;
     WorkPool& pool;         ///< For what is short.
     WorkPool& submit_pool;  ///< For scene imports.
+    const Authorizer& authorizer;
+    StreamLimits& limits;
   };
   explicit JobService(Parts parts) : parts_(std::move(parts)) {}
 
   grpc::ServerUnaryReactor* GetCapabilities(grpc::CallbackServerContext* context,
                                             const v1::CapabilitiesRequest*,
                                             v1::Capabilities* response) override;
-  grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const v1::SubmitRequest* request,
-                                   v1::Job* response) override;
+  grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                   grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* Get(grpc::CallbackServerContext* context, const v1::JobRef* request,
                                 v1::Job* response) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListRequest* request,

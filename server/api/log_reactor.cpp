@@ -5,8 +5,13 @@
 
 namespace shutterline::server {
 
-LogReactor::LogReactor(Farm& farm, const JobLogs& logs, WorkPool& pool, const v1::LogRequest& request)
+LogReactor::LogReactor(Farm& farm, const JobLogs& logs, WorkPool& pool, StreamLimits& limits,
+                       const v1::LogRequest& request)
     : farm_(farm), logs_(logs), pool_(pool), request_(request), offset_(request.offset()) {
+  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
+    Finish(convert::ToGrpc(taken));
+    return;
+  }
   if (!pool_.Run([this] { Begin(); })) {
     Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
   }

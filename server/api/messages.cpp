@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 #include "common/job/tile.h"
 #include "proto/convert/job_spec.h"
 #include "proto/convert/render_stats.h"
@@ -199,7 +200,7 @@ absl::StatusOr<TileReport> TakeReport(v1::TileResult& result) {
     case v1::TileResult::kFailure: {
       report.failed = true;
       const absl::Status reason(absl::StatusCode(result.failure().code()),
-                                result.failure().message().substr(0, kMaxFailureBytes));
+                                Utf8Prefix(result.failure().message(), kMaxFailureBytes));
       report.failure = reason.ok() ? "a failure without a reason" : reason.ToString();
       return report;
     }

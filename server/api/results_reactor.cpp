@@ -6,22 +6,38 @@
 #include "proto/convert/status.h"
 #include "server/api/limits.h"
 #include "server/api/messages.h"
+#include "server/api/wire.h"
 
 namespace shutterline::server {
 
-ResultsReactor::ResultsReactor(Farm& farm, ResultCommitter& committer) : farm_(farm), committer_(committer) {
-  StartRead(&incoming_);
+ResultsReactor::ResultsReactor(Farm& farm, ResultCommitter& committer, StreamLimits& limits)
+    : farm_(farm), committer_(committer), limits_(limits) {
+  if (const absl::Status taken = slot_.Take(limits_.results); !taken.ok()) {
+    Close(taken);
+    return;
+  }
+  first_deadline_ = limits_.deadlines.Add(limits_.config.first_message, [this] {
+    Close(absl::DeadlineExceededError("the first batch, which says who sends, did not come in time"));
+  });
+  absl::MutexLock lock(&mutex_);
+  if (!finished_) StartRead(&incoming_);
 }
 
-absl::Status ResultsReactor::Handle() {
+void ResultsReactor::OnDone() {
+  limits_.deadlines.Cancel(first_deadline_);
+  delete this;
+}
+
+absl::Status ResultsReactor::Handle(v1::ResultBatch& batch) {
   if (!worker_) {
-    SL_ASSIGN_OR_RETURN(worker_, farm_.FindSession(incoming_.session_id(), incoming_.epoch()));
+    SL_ASSIGN_OR_RETURN(worker_, farm_.FindSession(batch.session_id(), batch.epoch()));
   }
-  const uint64_t batch_id = incoming_.batch_id();
+  if (batch.tiles().empty()) return absl::OkStatus();  // It has said who sends.
+  const uint64_t batch_id = batch.batch_id();
   std::vector<TileReport> reports;
-  reports.reserve(size_t(incoming_.tiles_size()));
+  reports.reserve(size_t(batch.tiles_size()));
   size_t bytes = 0;
-  for (v1::TileResult& result : *incoming_.mutable_tiles()) {
+  for (v1::TileResult& result : *batch.mutable_tiles()) {
     SL_ASSIGN_OR_RETURN(TileReport report, TakeReport(result));
     bytes += report.pixels.size();
     reports.push_back(std::move(report));
@@ -46,7 +62,14 @@ void ResultsReactor::OnReadDone(bool ok) {
     if (finished_) return;
     handling_ = true;
   }
-  const absl::Status handled = Handle();
+  absl::Status handled;
+  {
+    v1::ResultBatch batch;
+    handled = Decode(incoming_, batch);
+    incoming_.Clear();
+    if (handled.ok()) handled = Handle(batch);
+  }
+  if (handled.ok()) limits_.deadlines.Cancel(first_deadline_);
   grpc::Status status;
   {
     absl::MutexLock lock(&mutex_);
@@ -74,7 +97,7 @@ void ResultsReactor::Committed(uint64_t batch_id, size_t bytes, const absl::Stat
       v1::ResultAck ack;
       ack.set_batch_id(batch_id);
       for (const ReportOutcome outcome : outcomes) ack.add_outcomes(ToMessage(outcome));
-      outgoing_.push_back(std::move(ack));
+      outgoing_.push_back(Encode(ack));
       if (!writing_) {
         writing_ = true;
         StartWrite(&outgoing_.front());

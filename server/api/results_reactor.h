@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/api/stream_limits.h"
 #include "server/control/farm.h"
 #include "server/control/result_committer.h"
 #include "shutterline/v1/workers.pb.h"
@@ -15,17 +16,18 @@
 namespace shutterline::server {
 
 /// One PushResults stream: batches go to the committer as they come, several at a time, so that they share
-/// its flushes; acknowledgements go back in their order. Reading pauses while too many bytes wait.
-class ResultsReactor final : public grpc::ServerBidiReactor<v1::ResultBatch, v1::ResultAck> {
+/// its flushes; acknowledgements go back in their order. Reading pauses while too many bytes wait. A stream
+/// whose first batch does not come in time ends with DEADLINE_EXCEEDED.
+class ResultsReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  ResultsReactor(Farm& farm, ResultCommitter& committer);
+  ResultsReactor(Farm& farm, ResultCommitter& committer, StreamLimits& limits);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
-  void OnDone() override { delete this; }
+  void OnDone() override;
 
  private:
-  absl::Status Handle();
+  absl::Status Handle(v1::ResultBatch& batch);
   void Committed(uint64_t batch_id, size_t bytes, const absl::Status& status,
                  const std::vector<ReportOutcome>& outcomes);
   void Close(const absl::Status& status);
@@ -35,11 +37,14 @@ class ResultsReactor final : public grpc::ServerBidiReactor<v1::ResultBatch, v1:
 
   Farm& farm_;
   ResultCommitter& committer_;
-  v1::ResultBatch incoming_;
+  StreamLimits& limits_;
+  StreamBudget::Slot slot_;
+  StreamDeadlines::Id first_deadline_ = 0;
+  grpc::ByteBuffer incoming_;
   std::optional<WorkerId> worker_;  ///< After the first batch. Of the reading side alone.
 
   absl::Mutex mutex_;
-  std::deque<v1::ResultAck> outgoing_ ABSL_GUARDED_BY(mutex_);  ///< The first is being written.
+  std::deque<grpc::ByteBuffer> outgoing_ ABSL_GUARDED_BY(mutex_);  ///< The first is being written.
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   int pending_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Batches at the committer.
   size_t pending_bytes_ ABSL_GUARDED_BY(mutex_) = 0;

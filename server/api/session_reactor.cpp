@@ -9,12 +9,21 @@
 #include "proto/convert/status.h"
 #include "server/api/limits.h"
 #include "server/api/messages.h"
+#include "server/api/wire.h"
 
 namespace shutterline::server {
 
-SessionReactor::SessionReactor(Farm& farm, grpc::CallbackServerContext* context)
-    : farm_(farm), context_(context) {
-  StartRead(&incoming_);
+SessionReactor::SessionReactor(Farm& farm, grpc::CallbackServerContext* context, StreamLimits& limits)
+    : farm_(farm), context_(context), limits_(limits) {
+  if (const absl::Status taken = slot_.Take(limits_.sessions); !taken.ok()) {
+    Close(taken);
+    return;
+  }
+  open_deadline_ = limits_.deadlines.Add(limits_.config.first_message, [this] {
+    Close(absl::DeadlineExceededError("open: did not come in time"));
+  });
+  absl::MutexLock lock(&mutex_);
+  if (!finished_) StartRead(&incoming_);
 }
 
 absl::Status SessionReactor::Handle(const v1::WorkerMessage& message) {
@@ -58,17 +67,21 @@ void SessionReactor::OnReadDone(bool ok) {
     if (worker_) farm_.Detach(*worker_, this, !context_->IsCancelled());
     return Close(absl::OkStatus());
   }
-  const absl::Status status = Handle(incoming_);
-  if (!status.ok()) return Close(status);
+  absl::Status status;
   {
-    absl::MutexLock lock(&mutex_);
-    if (finished_) return;
+    v1::WorkerMessage message;  // Not kept: it may have been large.
+    status = Decode(incoming_, message);
+    incoming_.Clear();
+    if (status.ok()) status = Handle(message);
   }
-  StartRead(&incoming_);
+  if (!status.ok()) return Close(status);
+  limits_.deadlines.Cancel(open_deadline_);
+  absl::MutexLock lock(&mutex_);
+  if (!finished_) StartRead(&incoming_);
 }
 
 void SessionReactor::Send(WorkerEvent event) {
-  v1::CoordinatorMessage message = ToMessage(event);
+  grpc::ByteBuffer message = Encode(ToMessage(event));
   absl::MutexLock lock(&mutex_);
   if (closing_) return;
   outgoing_.push_back(std::move(message));
@@ -115,6 +128,7 @@ void SessionReactor::FinishIfDone() {
 }
 
 void SessionReactor::OnDone() {
+  limits_.deadlines.Cancel(open_deadline_);
   // Ours no longer: the farm must not send to a freed object. An orderly end has been told before.
   if (worker_) farm_.Detach(*worker_, this, false);
   delete this;

@@ -7,6 +7,7 @@
 #include <deque>
 #include <optional>
 
+#include "server/api/stream_limits.h"
 #include "server/control/farm.h"
 #include "shutterline/v1/workers.pb.h"
 
@@ -14,11 +15,11 @@ namespace shutterline::server {
 
 /// One Session stream: tells the farm what the worker says, as it comes, and writes what the farm sends, one
 /// message at a time. The farm's mutex may be held when Send and Close are called, ours never when we call
-/// the farm.
-class SessionReactor final : public grpc::ServerBidiReactor<v1::WorkerMessage, v1::CoordinatorMessage>,
+/// the farm. A stream whose Open does not come in time ends with DEADLINE_EXCEEDED.
+class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                              private WorkerSink {
  public:
-  SessionReactor(Farm& farm, grpc::CallbackServerContext* context);
+  SessionReactor(Farm& farm, grpc::CallbackServerContext* context, StreamLimits& limits);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -34,11 +35,14 @@ class SessionReactor final : public grpc::ServerBidiReactor<v1::WorkerMessage, v
 
   Farm& farm_;
   grpc::CallbackServerContext* const context_;
-  v1::WorkerMessage incoming_;
+  StreamLimits& limits_;
+  StreamBudget::Slot slot_;
+  StreamDeadlines::Id open_deadline_ = 0;
+  grpc::ByteBuffer incoming_;
   std::optional<WorkerId> worker_;  ///< After Open. Of the reading side alone.
 
   absl::Mutex mutex_;
-  std::deque<v1::CoordinatorMessage> outgoing_ ABSL_GUARDED_BY(mutex_);  ///< The first is being written.
+  std::deque<grpc::ByteBuffer> outgoing_ ABSL_GUARDED_BY(mutex_);  ///< The first is being written.
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> closing_ ABSL_GUARDED_BY(mutex_);
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;

@@ -8,10 +8,10 @@
 
 namespace shutterline::server {
 
-TilesReactor::TilesReactor(Farm& farm, FrameThumbnails& thumbnails, WorkPool& pool,
+TilesReactor::TilesReactor(Farm& farm, FrameThumbnails& thumbnails, WorkPool& pool, StreamLimits& limits,
                            const v1::TilesRequest& request)
     : FollowingReactor(farm, pool, request.job_id()), thumbnails_(thumbnails), request_(request) {
-  Start();
+  Start(limits.watches);
 }
 
 absl::Status TilesReactor::FindNews(bool& ended) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/api/following_reactor.h"
+#include "server/api/stream_limits.h"
 #include "server/assemble/frame_thumbnails.h"
 #include "shutterline/v1/jobs.pb.h"
 
@@ -13,7 +14,8 @@ namespace shutterline::server {
 /// One ReadTiles call: each tile of a frame once, as soon as it is there.
 class TilesReactor final : public FollowingReactor<v1::TileUpdate> {
  public:
-  TilesReactor(Farm& farm, FrameThumbnails& thumbnails, WorkPool& pool, const v1::TilesRequest& request);
+  TilesReactor(Farm& farm, FrameThumbnails& thumbnails, WorkPool& pool, StreamLimits& limits,
+               const v1::TilesRequest& request);
 
  private:
   static constexpr size_t kTilesPerMessage = 64;

@@ -12,9 +12,13 @@ constexpr size_t kMaxTraceTiles = 1024;  ///< Of a message.
 
 }  // namespace
 
-TraceReactor::TraceReactor(Farm& farm, const Timeline& timeline, WorkPool& pool,
+TraceReactor::TraceReactor(Farm& farm, const Timeline& timeline, WorkPool& pool, StreamLimits& limits,
                            const v1::TraceRequest& request)
     : farm_(farm), timeline_(timeline), pool_(pool), request_(request) {
+  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
+    Finish(convert::ToGrpc(taken));
+    return;
+  }
   const bool accepted = pool_.Run([this] {
     const absl::Status status = Open();
     if (!status.ok()) return Finish(convert::ToGrpc(status));

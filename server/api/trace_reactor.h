@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 
+#include "server/api/stream_limits.h"
 #include "server/control/farm.h"
 #include "server/control/work_pool.h"
 #include "server/observe/timeline.h"
@@ -16,7 +17,8 @@ namespace shutterline::server {
 /// One ReadTrace call: the timelines of a job's frames, one after the other, in messages of bounded size.
 class TraceReactor final : public grpc::ServerWriteReactor<v1::FrameTrace> {
  public:
-  TraceReactor(Farm& farm, const Timeline& timeline, WorkPool& pool, const v1::TraceRequest& request);
+  TraceReactor(Farm& farm, const Timeline& timeline, WorkPool& pool, StreamLimits& limits,
+               const v1::TraceRequest& request);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override { delete this; }
@@ -28,6 +30,7 @@ class TraceReactor final : public grpc::ServerWriteReactor<v1::FrameTrace> {
   Farm& farm_;
   const Timeline& timeline_;
   WorkPool& pool_;
+  StreamBudget::Slot slot_;
   const v1::TraceRequest request_;
   std::deque<int> frames_;  ///< Still to be told.
   std::optional<FrameTimeline> current_;

@@ -4,9 +4,9 @@
 
 namespace shutterline::server {
 
-WatchReactor::WatchReactor(Farm& farm, WorkPool& pool, const v1::WatchRequest& request)
+WatchReactor::WatchReactor(Farm& farm, WorkPool& pool, StreamLimits& limits, const v1::WatchRequest& request)
     : FollowingReactor(farm, pool, request.job_id()), seq_(request.after_seq()) {
-  Start();
+  Start(limits.watches);
 }
 
 absl::StatusOr<std::optional<v1::JobEvent>> WatchReactor::Next(bool& ended) {

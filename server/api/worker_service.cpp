@@ -24,14 +24,14 @@ grpc::ServerUnaryReactor* WorkerService::Register(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::ServerBidiReactor<v1::WorkerMessage, v1::CoordinatorMessage>* WorkerService::Session(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* WorkerService::Session(
     grpc::CallbackServerContext* context) {
-  return new SessionReactor(farm_, context);  // Frees itself in OnDone.
+  return new SessionReactor(farm_, context, limits_);  // Frees itself in OnDone.
 }
 
-grpc::ServerBidiReactor<v1::ResultBatch, v1::ResultAck>* WorkerService::PushResults(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* WorkerService::PushResults(
     grpc::CallbackServerContext*) {
-  return new ResultsReactor(farm_, committer_);  // Frees itself in OnDone.
+  return new ResultsReactor(farm_, committer_, limits_);  // Frees itself in OnDone.
 }
 
 }  // namespace shutterline::server

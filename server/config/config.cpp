@@ -1,17 +1,12 @@
 #include "server/config/config.h"
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/strip.h>
+
+#include "common/base/host_port.h"
+#include "common/base/status_macros.h"
 
 namespace shutterline::server {
 namespace {
-
-/// The host of "HOST:PORT", brackets of IPv6 removed.
-absl::string_view HostOf(absl::string_view listen) {
-  absl::string_view host = listen.substr(0, listen.rfind(':'));
-  if (absl::ConsumePrefix(&host, "[")) absl::ConsumeSuffix(&host, "]");
-  return host;
-}
 
 bool IsHostAndPort(absl::string_view text) {
   const size_t colon = text.rfind(':');
@@ -19,12 +14,6 @@ bool IsHostAndPort(absl::string_view text) {
   const std::string port(text.substr(colon + 1));
   return !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos &&
          std::stoi(port) <= 65535;
-}
-
-bool IsLoopback(absl::string_view host) {
-  if (host == "localhost" || host == "::1") return true;
-  if (host.substr(0, 4) != "127.") return false;
-  return host.find_first_not_of("0123456789.") == absl::string_view::npos;
 }
 
 }  // namespace
@@ -45,11 +34,14 @@ absl::Status Validate(const Config& c) {
                                "127.0.0.1, or insecure_listen in a trusted network"));
   }
   if (!c.listen.empty()) {
-    if (!c.insecure_listen && !IsLoopback(HostOf(c.listen))) {
+    const bool loopback = IsLoopback(HostOf(c.listen));
+    SL_RETURN_IF_ERROR(Annotate(Validate(c.security, loopback), "coordinator configuration"));
+    if (!c.insecure_listen && !c.security.encrypts() && !loopback) {
       return refuse("listen",
                     absl::StrCat("'", c.listen,
-                                 "' can be reached by other machines, but nothing would be encrypted or "
-                                 "authenticated; use 127.0.0.1, or insecure_listen in a trusted network"));
+                                 "' can be reached by other machines, but nothing would be encrypted "
+                                 "or authenticated; use 127.0.0.1, or tls_cert, tls_key and "
+                                 "tls_client_ca, or insecure_listen in a trusted network"));
     }
   }
   if (c.heartbeat_interval <= absl::ZeroDuration()) return refuse("heartbeat_interval", "must be above 0");
@@ -61,6 +53,16 @@ absl::Status Validate(const Config& c) {
   if (c.commit_tiles < 1) return refuse("commit_tiles", "must be at least 1");
   if (c.max_tile_failures < 1) return refuse("max_tile_failures", "must be at least 1");
   if (c.max_message_bytes < 1 << 20) return refuse("max_message_bytes", "must be at least 1 MiB");
+  const StreamConfig& s = c.streams;
+  if (s.first_message <= absl::ZeroDuration()) return refuse("streams.first_message", "must be above 0");
+  if (s.upload_stall <= absl::ZeroDuration()) return refuse("streams.upload_stall", "must be above 0");
+  for (const int limit :
+       {s.max_streams_per_connection, s.max_sessions, s.max_watches, s.max_uploads, s.max_downloads}) {
+    if (limit < 1) return refuse("streams", "each limit must be at least 1");
+  }
+  if (s.max_buffer_bytes < uint64_t(c.max_message_bytes)) {
+    return refuse("streams.max_buffer_bytes", "must be at least max_message_bytes");
+  }
   return absl::OkStatus();
 }
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/job/job_spec.h"
+#include "server/config/listen_security.h"
+#include "server/config/stream_config.h"
 
 namespace shutterline::server {
 
@@ -20,6 +22,7 @@ struct Config {
   std::string listen;
   /// Permits listening on an address that other machines reach, although nothing is encrypted.
   bool insecure_listen = false;
+  ListenSecurity security;
 
   /// "HOST:PORT" to serve HTTP on: metrics and the dashboard. Port 0: any free one. Empty: not at all.
   std::string http;
@@ -37,9 +40,11 @@ struct Config {
   JobLimits job_limits;
   uint64_t max_blob_bytes = uint64_t{2} << 30;
   int max_message_bytes = 16 << 20;  ///< Of one received message.
+  StreamConfig streams;
 };
 
-/// INVALID_ARGUMENT where a value makes no sense or `listen` is open to others without `insecure_listen`.
+/// INVALID_ARGUMENT where a value makes no sense, or `listen` is open to others without encryption and
+/// without `insecure_listen`.
 absl::Status Validate(const Config& config);
 
 }  // namespace shutterline::server

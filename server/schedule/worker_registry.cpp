@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kMaxTextBytes = 256;
 constexpr int64_t kMaxSlots = 4096;
+constexpr size_t kMaxWorkers = 8192;  ///< Twice what may be connected: some have just gone.
 
 absl::Status CheckText(absl::string_view field, absl::string_view text, bool may_be_empty) {
   if (text.empty() && !may_be_empty) return absl::InvalidArgumentError(absl::StrCat(field, ": is empty"));
@@ -43,6 +44,10 @@ absl::StatusOr<WorkerEntry*> WorkerRegistry::Register(const WorkerHello& hello, 
     return absl::FailedPreconditionError(
         absl::StrCat("build_id: the worker is '", absl::CHexEscape(hello.build_id), "', the coordinator '",
                      identity_.build_id, "'; pixels of different builds may differ"));
+  }
+  if (entries_.size() >= kMaxWorkers) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(kMaxWorkers, " workers are registered, and more are not taken"));
   }
   WorkerEntry& entry = entries_[next_];
   entry.id = next_++;

@@ -45,7 +45,7 @@ class WorkerRegistry {
   explicit WorkerRegistry(CoordinatorIdentity identity) : identity_(std::move(identity)) {}
 
   /// A new registration. INVALID_ARGUMENT for a hello that breaks a rule, FAILED_PRECONDITION where build or
-  /// protocol do not agree (the message names both sides).
+  /// protocol do not agree (the message names both sides), RESOURCE_EXHAUSTED where there are too many.
   absl::StatusOr<WorkerEntry*> Register(const WorkerHello& hello, absl::Duration now);
   WorkerEntry* Find(WorkerId id);
   WorkerEntry* FindSession(absl::string_view session_id);

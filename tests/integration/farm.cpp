@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -59,9 +60,15 @@ std::string Farm::Scene(const std::string& name) {
 void Farm::StartServer() {
   const fs::path port_file = folder_ / "port";
   fs::remove(port_file);
-  server_ = Process::Start({Program("shutterline-server"), "--listen", absl::StrCat("127.0.0.1:", port_),
-                            "--data", (folder_ / "data").string(), "--port-file", port_file.string()},
-                           folder_ / absl::StrCat("server-", ++runs_));
+  std::vector<std::string> all = {Program("shutterline-server"),
+                                  "--listen",
+                                  absl::StrCat("127.0.0.1:", port_),
+                                  "--data",
+                                  (folder_ / "data").string(),
+                                  "--port-file",
+                                  port_file.string()};
+  all.insert(all.end(), server_flags.begin(), server_flags.end());
+  server_ = Process::Start(all, folder_ / absl::StrCat("server-", ++runs_));
   ASSERT_NE(server_, nullptr);
   ASSERT_TRUE(WaitUntil([&] { return fs::exists(port_file) || !server_->Running(); }));
   ASSERT_TRUE(fs::exists(port_file)) << server_->Errors();
@@ -71,10 +78,17 @@ void Farm::StartServer() {
 }
 
 void Farm::StartWorker(const std::string& name, int threads) {
-  workers_[name] =
-      Process::Start({Program("shutterline-worker"), "--coordinator", Address(), "--name", name, "--threads",
-                      absl::StrCat(threads), "--cache-dir", (folder_ / "cache").string()},
-                     folder_ / absl::StrCat("worker-", name, "-", ++runs_));
+  std::vector<std::string> all = {Program("shutterline-worker"),
+                                  "--coordinator",
+                                  Address(),
+                                  "--name",
+                                  name,
+                                  "--threads",
+                                  absl::StrCat(threads),
+                                  "--cache-dir",
+                                  (folder_ / "cache").string()};
+  all.insert(all.end(), worker_flags.begin(), worker_flags.end());
+  workers_[name] = Process::Start(all, folder_ / absl::StrCat("worker-", name, "-", ++runs_));
   ASSERT_NE(workers_[name], nullptr);
 }
 
@@ -85,6 +99,9 @@ std::string Farm::Address() const {
 Farm::Ended Farm::Client(const std::vector<std::string>& arguments) {
   std::vector<std::string> all = {Program("shutterline")};
   all.insert(all.end(), arguments.begin(), arguments.end());
+  if (std::find(all.begin(), all.end(), "--server") != all.end()) {
+    all.insert(all.end(), client_flags.begin(), client_flags.end());
+  }
   const auto client = Process::Start(all, folder_ / absl::StrCat("client-", ++runs_));
   EXPECT_NE(client, nullptr);
   const std::optional<int> status = client->Wait();

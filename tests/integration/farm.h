@@ -24,6 +24,10 @@ class Farm {
   Farm& operator=(const Farm&) = delete;
 
   const std::filesystem::path& folder() const { return folder_; }
+
+  /// More arguments for programs that are started from now on; a client's go to commands with --server.
+  std::vector<std::string> server_flags, worker_flags, client_flags;
+
   /// A GLB file made by shutterline-scenes.
   std::string Scene(const std::string& name);
 

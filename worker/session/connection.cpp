@@ -10,6 +10,7 @@
 
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 #include "proto/convert/job_spec.h"
 #include "proto/convert/render_stats.h"
 #include "proto/convert/status.h"
@@ -230,6 +231,11 @@ void Connection::Leave() {
 void Connection::SendResults() {
   // Room for what surrounds the pixels; a single tile goes out however small the limit is.
   const auto limit = size_t(std::clamp<uint64_t>(welcome_.max_batch_bytes(), 64 << 10, 4 << 20)) - 1024;
+  // The coordinator does not wait long to hear whose stream this is, and the first tile may take long.
+  v1::ResultBatch introduction;
+  introduction.set_session_id(welcome_.session_id());
+  introduction.set_epoch(welcome_.epoch());
+  if (!push_->Write(introduction)) return;
   while (true) {
     const ResultBuffer::Batch batch = results_.NextBatch(limit, options_.linger);
     if (batch.results.empty()) break;
@@ -255,7 +261,7 @@ v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const 
       *tile.mutable_stats() = convert::ToProto(result->stats);
     } else {
       tile.mutable_failure()->set_code(int32_t(result->status.code()));
-      tile.mutable_failure()->set_message(std::string(result->status.message()));
+      tile.mutable_failure()->set_message(ValidUtf8(result->status.message()));
     }
     *tile.mutable_render_time() = convert::ToProto(result->render_time);
   }

@@ -203,6 +203,43 @@ TEST(GltfLimits, AreHeldBeforeMemoryIsTaken) {
   EXPECT_EQ(MustFail(file, limits).code(), absl::StatusCode::kResourceExhausted);
 }
 
+TEST(GltfLimits, DrawingOneMeshManyTimesIsBounded) {
+  // A thousand triangles, stored once, by 200,000 nodes: 200 million triangles to draw.
+  GltfBuilder file;
+  const int positions = file.AccessorOn(-1, 0, "VEC3", 5126, 3000);
+  const int mesh = file.Mesh({{"attributes", {{"POSITION", positions}}}});
+  file.Draw(mesh);
+  json children = json::array();
+  for (int i = 0; i < 200'000; ++i) children.push_back(file.Add("nodes", {{"mesh", mesh}}));
+  file.json["nodes"][0]["children"] = children;
+  ImportLimits limits;
+  limits.drawn_per_file_byte = 0;
+  const absl::Status status = MustFail(file, limits);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(status.message(), HasSubstr("drawn more than"));
+  // Exactly as many as are allowed.
+  GltfBuilder few;
+  const int small = few.Mesh({{"attributes", {{"POSITION", few.AccessorOn(-1, 0, "VEC3", 5126, 30)}}}});
+  few.Draw(small);
+  few.Draw(small);
+  limits.base_drawn = 60;
+  EXPECT_TRUE(ImportBytes(few.Glb(), limits).ok());
+  limits.base_drawn = 59;
+  EXPECT_THAT(MustFail(few, limits).message(), HasSubstr("30 vertices drawn"));
+}
+
+TEST(GltfLimits, ValuesOfTheJsonAreCountedBeforeTheyAreRead) {
+  GltfBuilder file;
+  file.DrawTriangle();
+  json extras = json::array();
+  for (int i = 0; i < 1000; ++i) extras.push_back(json::array());
+  file.json["extras"] = extras;
+  ImportLimits limits;
+  EXPECT_TRUE(ImportBytes(file.Glb(), limits).ok());
+  limits.max_json_values = 1000;
+  EXPECT_THAT(MustFail(file, limits).message(), HasSubstr("values, more than the limit of 1000"));
+}
+
 TEST(GltfLimits, SharingOneLargeAccessorManyTimesIsBounded) {
   GltfBuilder file;
   const int positions = file.AccessorOn(-1, 0, "VEC3", 5126, 1 << 20);

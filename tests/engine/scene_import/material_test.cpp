@@ -118,6 +118,17 @@ TEST(GltfMaterial, HoldsImagesAgainstLimitsBeforeTheyAreDecoded) {
   EXPECT_TRUE(ImportBytes(file.Glb(), limits).ok());
 }
 
+TEST(GltfMaterial, AFewBytesDoNotUnfoldIntoManyPixels) {
+  const std::string png = Png(64, 32, std::vector<uint8_t>(64 * 32 * 4, 7));
+  const GltfBuilder file = Textured(png);
+  ImportLimits limits;
+  limits.base_texture_pixels = 0;
+  limits.texture_pixels_per_byte = 64 * 32 / png.size();  // Rounded down: too few.
+  EXPECT_THAT(MustFail(file, limits).message(), HasSubstr("64 × 32: 2048 pixels"));
+  limits.texture_pixels_per_byte += 1;
+  EXPECT_TRUE(ImportBytes(file.Glb(), limits).ok());
+}
+
 TEST(GltfMaterial, RefusesJpegTablesOfTooManyCodes) {
   // A JPEG that begins with a segment of metadata, which may hold what looks like a table, and one table
   // of 16 × `codes` codes.

@@ -4,6 +4,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/string_view.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace shutterline::engine {
@@ -22,6 +23,8 @@ class GltfBudget {
     return absl::OkStatus();
   }
   void Raise(uint64_t amount) { limit_ = amount > UINT64_MAX - limit_ ? UINT64_MAX : limit_ + amount; }
+  /// Up to `most`, which the limit has not passed.
+  void RaiseWithin(uint64_t amount, uint64_t most) { limit_ += std::min(amount, most - limit_); }
   uint64_t Left() const { return limit_ - used_; }
 
  private:

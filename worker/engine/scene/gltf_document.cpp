@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 #include "worker/engine/scene/gltf_accessor.h"
 #include "worker/engine/scene/gltf_container.h"
 #include "worker/engine/scene/gltf_json.h"
@@ -123,7 +124,9 @@ GltfDocument::GltfDocument(const AssetSource& asset_source, const ImportLimits& 
       memory("bytes of memory", import_limits.base_memory),
       vertices("vertices", import_limits.max_vertices),
       triangles("triangles", import_limits.max_triangles),
-      texture_pixels("pixels", import_limits.max_texture_pixels) {}
+      texture_pixels("pixels", std::min(import_limits.base_texture_pixels, import_limits.max_texture_pixels)),
+      drawn_triangles("triangles drawn", import_limits.base_drawn),
+      drawn_vertices("vertices drawn", import_limits.base_drawn) {}
 
 void GltfDocument::Warn(std::string warning) {
   if (report.warnings.size() < kMaxListedWarnings) {
@@ -145,7 +148,7 @@ absl::string_view GltfDocument::ViewBytes(int buffer_view) const {
 
 std::string GltfElement(absl::string_view kind, size_t index, absl::string_view name) {
   if (name.empty()) return absl::StrCat(kind, " ", index);
-  return absl::StrCat(kind, " ", index, " (", name.substr(0, 60), ")");
+  return absl::StrCat(kind, " ", index, " (", Utf8Prefix(name, 60), ")");
 }
 
 absl::Status ReadGltfRoot(GltfDocument* document, Json* json, std::string* root, absl::string_view* bin,
@@ -157,7 +160,8 @@ absl::Status ReadGltfRoot(GltfDocument* document, Json* json, std::string* root,
   for (const std::string& warning : container.warnings) document->Warn(warning);
   *bin = container.bin;
   *has_bin = container.has_bin;
-  SL_ASSIGN_OR_RETURN(const Json parsed, ParseBoundedJson(container.json, document->limits.max_depth));
+  SL_ASSIGN_OR_RETURN(const Json parsed, ParseBoundedJson(container.json, document->limits.max_depth,
+                                                          document->limits.max_json_values));
   SL_ASSIGN_OR_RETURN(*json, ConformToGltfSchema(parsed, document->limits.max_nodes));
   SL_RETURN_IF_ERROR(CheckAsset(*json));
   return CheckExtensions(*json);
@@ -185,8 +189,11 @@ absl::Status LoadGltfDocument(GltfDocument* document) {
   }
   SL_ASSIGN_OR_RETURN(document->lights, ReadGltfLights(json));
   // What a file may unfold into: a fixed amount, and so many bytes for each of its own.
-  document->memory.Raise((document->limits.max_file_bytes - document->file_bytes.Left()) *
-                         document->limits.memory_per_file_byte);
+  const uint64_t bytes = document->limits.max_file_bytes - document->file_bytes.Left();
+  document->memory.Raise(bytes * document->limits.memory_per_file_byte);
+  for (GltfBudget* drawn : {&document->drawn_triangles, &document->drawn_vertices}) {
+    drawn->Raise(uint64_t(double(bytes) * document->limits.drawn_per_file_byte));
+  }
   DropChannelsWithoutNode(document, &json);
   SL_ASSIGN_OR_RETURN(document->model, ReadWithTinyGltf(json));
   return CheckGltfAccessors(*document);

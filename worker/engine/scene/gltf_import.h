@@ -18,9 +18,18 @@ struct ImportLimits {
   uint64_t max_vertices = uint64_t{1} << 28;        ///< Stored, all meshes.
   uint64_t max_triangles = uint64_t{1} << 28;       ///< Stored, all meshes.
   uint64_t max_texture_pixels = uint64_t{1} << 28;  ///< All images.
+  /// Of them, so many for any file, and so many more for each byte of an image: a megabyte of zeros that are
+  /// packed well would otherwise unfold into a gigabyte. Images of one colour are honest, but small.
+  uint64_t base_texture_pixels = uint64_t{1} << 26;
+  uint64_t texture_pixels_per_byte = 64;
   uint32_t max_image_side = 16384;
   uint32_t max_nodes = 1 << 20;
-  uint32_t max_depth = 512;  ///< Of the node tree and of the JSON.
+  uint32_t max_depth = 512;                      ///< Of the node tree and of the JSON.
+  uint64_t max_json_values = uint64_t{1} << 23;  ///< Each takes some hundred bytes while the file is read.
+  /// Triangles and vertices that nodes draw, counted for each node that draws them: so many for any file, and
+  /// so many more for each byte of it. A frame stores what is drawn, and a thousand nodes may draw one mesh.
+  uint64_t base_drawn = uint64_t{1} << 25;
+  double drawn_per_file_byte = 0.25;
   /// Memory that decoded meshes, keys and skins may take: this much for any file, and so many bytes for
   /// each byte of the file. What shares its accessors is stored more than once, so a small file could ask
   /// for far more than its size.

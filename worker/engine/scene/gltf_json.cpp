@@ -3,16 +3,22 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 
+#include <algorithm>
 #include <new>
 #include <nlohmann/json.hpp>
 
 namespace shutterline::engine {
 namespace {
 
-/// The deepest nesting, read off the brackets outside of strings. Whatever walks the parsed tree by
-/// recursion may then rely on it.
-uint32_t NestingDepth(absl::string_view text) {
-  uint32_t depth = 0, deepest = 0;
+struct Extent {
+  uint32_t depth = 0;   ///< The deepest nesting: whatever walks the parsed tree by recursion may rely on it.
+  uint64_t values = 1;  ///< No fewer than there are.
+};
+
+/// Read off the brackets and commas outside of strings.
+Extent ExtentOf(absl::string_view text) {
+  Extent extent;
+  uint32_t depth = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -25,20 +31,29 @@ uint32_t NestingDepth(absl::string_view text) {
     } else if (c == '"') {
       in_string = true;
     } else if (c == '[' || c == '{') {
-      deepest = std::max(deepest, ++depth);
+      extent.depth = std::max(extent.depth, ++depth);
+      ++extent.values;
     } else if ((c == ']' || c == '}') && depth > 0) {
       --depth;
+    } else if (c == ',') {
+      ++extent.values;
     }
   }
-  return deepest;
+  return extent;
 }
 
 }  // namespace
 
-absl::StatusOr<nlohmann::json> ParseBoundedJson(absl::string_view text, uint32_t max_depth) {
-  if (const uint32_t depth = NestingDepth(text); depth > max_depth) {
+absl::StatusOr<nlohmann::json> ParseBoundedJson(absl::string_view text, uint32_t max_depth,
+                                                uint64_t max_values) {
+  const Extent extent = ExtentOf(text);
+  if (extent.depth > max_depth) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("JSON: nested ", depth, " deep, more than the limit of ", max_depth));
+        absl::StrCat("JSON: nested ", extent.depth, " deep, more than the limit of ", max_depth));
+  }
+  if (extent.values > max_values) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("JSON: ", extent.values, " values, more than the limit of ", max_values));
   }
   try {
     return nlohmann::json::parse(text.data(), text.data() + text.size());

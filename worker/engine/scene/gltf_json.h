@@ -8,8 +8,10 @@
 
 namespace shutterline::engine {
 
-/// Parses JSON whose arrays and objects nest at most `max_depth` deep; no exception leaves. Where a key
+/// Parses JSON of at most `max_values` values whose arrays and objects nest at most `max_depth` deep, both
+/// counted before memory is taken; no exception leaves. Where a key
 /// occurs twice in an object, the last one counts.
-absl::StatusOr<nlohmann::json> ParseBoundedJson(absl::string_view text, uint32_t max_depth);
+absl::StatusOr<nlohmann::json> ParseBoundedJson(absl::string_view text, uint32_t max_depth,
+                                                uint64_t max_values);
 
 }  // namespace shutterline::engine

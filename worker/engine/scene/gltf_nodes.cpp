@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "worker/engine/scene/pose.h"
 
 namespace shutterline::engine {
 namespace {
@@ -117,6 +118,21 @@ absl::Status ReadRoots(const GltfDocument& document, Scene* scene) {
   return absl::OkStatus();
 }
 
+/// A frame stores every mesh as often as it is drawn, so a few nodes and one mesh could ask for more than any
+/// machine has.
+absl::Status CheckDrawn(GltfDocument* document, const Scene& scene) {
+  for (const int n : NodesInDefaultScene(scene)) {
+    const Node& node = scene.nodes[size_t(n)];
+    if (node.mesh < 0) continue;
+    const std::string element = GltfElement("node", size_t(n), node.name);
+    for (const MeshPrimitive& primitive : scene.meshes[size_t(node.mesh)].primitives) {
+      SL_RETURN_IF_ERROR(document->drawn_triangles.Take(primitive.triangles.size(), element));
+      SL_RETURN_IF_ERROR(document->drawn_vertices.Take(primitive.positions.size(), element));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status ImportGltfNodes(GltfDocument* document, Scene* scene) {
@@ -129,7 +145,8 @@ absl::Status ImportGltfNodes(GltfDocument* document, Scene* scene) {
   }
   SL_RETURN_IF_ERROR(LinkParents(&scene->nodes));
   SL_RETURN_IF_ERROR(CheckForest(scene->nodes, document->limits.max_depth));
-  return ReadRoots(*document, scene);
+  SL_RETURN_IF_ERROR(ReadRoots(*document, scene));
+  return CheckDrawn(document, *scene);
 }
 
 }  // namespace shutterline::engine

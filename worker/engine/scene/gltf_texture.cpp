@@ -102,7 +102,10 @@ absl::StatusOr<TextureImage> GltfTextureImporter::DecodeImage(const GltfImageSou
     SL_ASSIGN_OR_RETURN(storage, document_.source.Read(name, document_.limits.max_file_bytes));
     bytes = storage;
   }
-  return DecodeGltfImage(bytes, document_.limits.max_image_side, &document_.texture_pixels);
+  const ImportLimits& limits = document_.limits;
+  document_.texture_pixels.RaiseWithin(bytes.size() * limits.texture_pixels_per_byte,
+                                       limits.max_texture_pixels);
+  return DecodeGltfImage(bytes, limits.max_image_side, &document_.texture_pixels);
 }
 
 }  // namespace shutterline::engine
