@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/job/job_spec.h"
+#include "server/files/durability.h"
 
 namespace shutterline::server {
 
@@ -33,6 +34,12 @@ struct Config {
   absl::Duration commit_interval = absl::Milliseconds(5);  ///< Longest wait of a result for company.
   int commit_tiles = 64;                                   ///< Results that are written without waiting.
   int max_tile_failures = 3;                               ///< Of one tile, after which its job fails.
+
+  /// What acknowledged jobs, tiles, blobs and frames outlive.
+  Durability durability = Durability::kPower;
+  /// Of all blobs together; 0: no limit. Beyond it those that no live job needs are evicted, least recently
+  /// used first.
+  uint64_t blob_limit_bytes = 0;
 
   JobLimits job_limits;
   uint64_t max_blob_bytes = uint64_t{2} << 30;

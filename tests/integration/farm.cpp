@@ -30,6 +30,7 @@ Farm::Farm() {
   std::string folder = (fs::temp_directory_path() / "shutterline-farm.XXXXXX").string();
   EXPECT_NE(mkdtemp(folder.data()), nullptr);
   folder_ = folder;
+  data_ = folder_ / "data";
 }
 
 Farm::~Farm() {
@@ -59,9 +60,15 @@ std::string Farm::Scene(const std::string& name) {
 void Farm::StartServer() {
   const fs::path port_file = folder_ / "port";
   fs::remove(port_file);
-  server_ = Process::Start({Program("shutterline-server"), "--listen", absl::StrCat("127.0.0.1:", port_),
-                            "--data", (folder_ / "data").string(), "--port-file", port_file.string()},
-                           folder_ / absl::StrCat("server-", ++runs_));
+  std::vector<std::string> arguments = {Program("shutterline-server"),
+                                        "--listen",
+                                        absl::StrCat("127.0.0.1:", port_),
+                                        "--data",
+                                        data_.string(),
+                                        "--port-file",
+                                        port_file.string()};
+  arguments.insert(arguments.end(), server_options_.begin(), server_options_.end());
+  server_ = Process::Start(arguments, folder_ / absl::StrCat("server-", ++runs_));
   ASSERT_NE(server_, nullptr);
   ASSERT_TRUE(WaitUntil([&] { return fs::exists(port_file) || !server_->Running(); }));
   ASSERT_TRUE(fs::exists(port_file)) << server_->Errors();
@@ -70,12 +77,18 @@ void Farm::StartServer() {
   ASSERT_TRUE(absl::SimpleAtoi(text, &port_)) << text;
 }
 
-void Farm::StartWorker(const std::string& name, int threads) {
-  workers_[name] =
-      Process::Start({Program("shutterline-worker"), "--coordinator", Address(), "--name", name, "--threads",
-                      absl::StrCat(threads), "--cache-dir", (folder_ / "cache").string()},
-                     folder_ / absl::StrCat("worker-", name, "-", ++runs_));
+void Farm::StartWorker(const std::string& name, int threads, const std::string& address) {
+  workers_[name] = Process::Start(
+      {Program("shutterline-worker"), "--coordinator", address.empty() ? Address() : address, "--name", name,
+       "--threads", absl::StrCat(threads), "--cache-dir", (folder_ / "cache").string()},
+      folder_ / absl::StrCat("worker-", name, "-", ++runs_));
   ASSERT_NE(workers_[name], nullptr);
+}
+
+void Farm::KillWorker(const std::string& name) {
+  workers_.at(name)->Signal(SIGKILL);
+  EXPECT_EQ(workers_.at(name)->Wait(), 128 + SIGKILL);
+  workers_.erase(name);
 }
 
 std::string Farm::Address() const {
