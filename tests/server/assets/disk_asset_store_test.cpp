@@ -103,6 +103,7 @@ class BlobLimitTest : public testing::Test {
     const absl::Status appended = (*writer)->Append(content);
     if (!appended.ok()) return appended;
     const auto finished = (*writer)->Finish();
+    writer->reset();  // Until then the blob is in use.
     clock_.Advance(absl::Minutes(2));
     return finished.status();
   }
