@@ -29,7 +29,7 @@ struct Config {
 
   absl::Duration lease_ttl = absl::Seconds(15);            ///< Silence after which tiles are leased again.
   absl::Duration heartbeat_interval = absl::Seconds(5);    ///< Asked of workers.
-  absl::Duration stream_grace = absl::Seconds(1);          ///< From a stream's end until its leases end.
+  absl::Duration stream_grace = absl::Milliseconds(900);   ///< From a stream's end until its leases end.
   absl::Duration batch_time = absl::Milliseconds(250);     ///< Thread time that a lease aims at.
   absl::Duration commit_interval = absl::Milliseconds(5);  ///< Longest wait of a result for company.
   int commit_tiles = 64;                                   ///< Results that are written without waiting.

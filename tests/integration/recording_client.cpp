@@ -58,8 +58,8 @@ struct Connection {
 
 }  // namespace
 
-RecordingClient::RecordingClient(std::string address, v1::JobSpec spec)
-    : address_(std::move(address)), spec_(std::move(spec)) {
+RecordingClient::RecordingClient(std::string address, v1::JobSpec spec, size_t most_jobs)
+    : address_(std::move(address)), spec_(std::move(spec)), most_jobs_(most_jobs) {
   submitter_ = std::thread([this] { Submit(); });
   worker_ = std::thread([this] { Render(); });
 }
@@ -104,6 +104,7 @@ void RecordingClient::Submit() {
       if (!stub->Submit(&context, request, &job).ok()) break;
       absl::MutexLock lock(&mutex_);
       jobs_.insert(job.id());
+      if (jobs_.size() == most_jobs_) submitting_ = false;
     }
     absl::SleepFor(absl::Milliseconds(5));
   }
@@ -115,6 +116,7 @@ v1::TileResult RecordingClient::ResultOf(const Tile& tile) const {
   result.set_job_id(job);
   result.set_frame(frame);
   result.set_tile(number);
+  result.mutable_render_time()->set_nanos(1'000'000);
   result.set_pixels(test::SyntheticTile(spec_.render().width(), spec_.render().height(), frame, number));
   return result;
 }

@@ -20,8 +20,8 @@ class RecordingClient {
  public:
   using Tile = std::tuple<std::string, int, uint32_t>;  ///< Job, frame, tile.
 
-  /// Jobs are copies of `spec`. Starts at once.
-  RecordingClient(std::string address, v1::JobSpec spec);
+  /// Jobs are copies of `spec`, at most `most_jobs`. Starts at once.
+  RecordingClient(std::string address, v1::JobSpec spec, size_t most_jobs);
   /// Stops; the coordinator must be gone, or else a stream may be waited for.
   ~RecordingClient();
 
@@ -44,6 +44,7 @@ class RecordingClient {
 
   const std::string address_;
   const v1::JobSpec spec_;
+  const size_t most_jobs_;
   std::atomic<bool> submitting_ = true, stopping_ = false;
   mutable absl::Mutex mutex_;
   std::set<std::string> jobs_ ABSL_GUARDED_BY(mutex_);

@@ -59,6 +59,7 @@ absl::Status CrashWorkload::Open() {
   parts.journal = journal_.get();
   parts.frames_pool = frames_pool_.get();
   parts.frames_folder = folder_ + "/frames";
+  parts.identity = {"build", 1, 1};
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
   parts.check_scene = [](const JobSpec&, server::AssetStore&) { return absl::OkStatus(); };
   farm_ = std::make_unique<Farm>(std::move(parts));
@@ -121,11 +122,16 @@ absl::StatusOr<server::JobSnapshot> CrashWorkload::FindJob() {
   return absl::NotFoundError(absl::StrCat("there are ", jobs.size(), " jobs"));
 }
 
-absl::Status CrashWorkload::Run(Acknowledged& acknowledged) {
+absl::Status CrashWorkload::Submit(Acknowledged& acknowledged) {
   SL_RETURN_IF_ERROR(UploadBlob());
   acknowledged.blob = true;
   SL_RETURN_IF_ERROR(farm_->Submit("request", Spec()).status());
   acknowledged.job = true;
+  return absl::OkStatus();
+}
+
+absl::Status CrashWorkload::Run(Acknowledged& acknowledged) {
+  SL_RETURN_IF_ERROR(Submit(acknowledged));
   for (int frame = 0; frame < 2; ++frame) {
     SL_RETURN_IF_ERROR(PushTiles(frame, 0, 1, acknowledged));
     SL_RETURN_IF_ERROR(PushTiles(frame, 1, 3, acknowledged));

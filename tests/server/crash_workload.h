@@ -39,7 +39,11 @@ class CrashWorkload {
   /// What of it cannot be found after Open; empty: nothing is missing.
   std::string Missing(const Acknowledged& acknowledged);
 
+  /// The first steps of Run: the blob and the job are there.
+  absl::Status Submit(Acknowledged& acknowledged);
+
   server::Farm& farm() { return *farm_; }
+  FakeClock& clock() { return clock_; }
 
  private:
   absl::Status UploadBlob();
