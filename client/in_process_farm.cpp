@@ -35,6 +35,8 @@ absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads,
 
   server::Config config;
   config.data_dir = (farm->folder_ / "coordinator").string();
+  // The folder goes with the process: there is nobody for whom to wait for the disk.
+  config.durability = server::Durability::kProcess;
   auto coordinator = server::Coordinator::Start(config);
   if (!coordinator.ok()) return Annotate(coordinator.status(), "start the coordinator in this process");
   farm->coordinator_ = *std::move(coordinator);

@@ -123,16 +123,24 @@ class Coordinator::Impl {
 };
 
 absl::Status Coordinator::Impl::OpenStores() {
-  SL_RETURN_IF_ERROR(MakeFolders(config_.data_dir));
-  SL_ASSIGN_OR_RETURN(store_, SqliteJobStore::Open(absl::StrCat(config_.data_dir, "/jobs.sqlite")));
-  SL_RETURN_IF_ERROR(SyncFolder(config_.data_dir));
-  SL_ASSIGN_OR_RETURN(logs_, JobLogs::Open(absl::StrCat(config_.data_dir, "/logs"), {}));
+  SL_RETURN_IF_ERROR(MakeFolders(config_.data_dir, config_.durability));
   SL_ASSIGN_OR_RETURN(
-      assets_, DiskAssetStore::Open(absl::StrCat(config_.data_dir, "/assets"), config_.max_blob_bytes));
-  SL_ASSIGN_OR_RETURN(journal_, TileJournal::Open(absl::StrCat(config_.data_dir, "/journal"), {}));
+      store_, SqliteJobStore::Open(absl::StrCat(config_.data_dir, "/jobs.sqlite"), config_.durability));
+  SL_RETURN_IF_ERROR(SyncFolder(config_.data_dir, config_.durability));
+  SL_ASSIGN_OR_RETURN(logs_, JobLogs::Open(absl::StrCat(config_.data_dir, "/logs"), {}));
+  DiskAssetStore::Options asset_options;
+  asset_options.max_blob_bytes = config_.max_blob_bytes;
+  asset_options.limit_bytes = config_.blob_limit_bytes;
+  asset_options.durability = config_.durability;
+  SL_ASSIGN_OR_RETURN(assets_,
+                      DiskAssetStore::Open(absl::StrCat(config_.data_dir, "/assets"), asset_options, clock_));
+  TileJournal::Options journal_options;
+  journal_options.durability = config_.durability;
+  SL_ASSIGN_OR_RETURN(journal_,
+                      TileJournal::Open(absl::StrCat(config_.data_dir, "/journal"), journal_options));
   thumbnails_ = std::make_unique<FrameThumbnails>(*journal_);
   const std::string frames_folder = absl::StrCat(config_.data_dir, "/frames");
-  SL_RETURN_IF_ERROR(MakeFolders(frames_folder));
+  SL_RETURN_IF_ERROR(MakeFolders(frames_folder, config_.durability));
 
   frames_pool_ = std::make_unique<WorkPool>(kFrameThreads);
   pool_ = std::make_unique<WorkPool>(kPoolThreads);

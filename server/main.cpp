@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <map>
 #include <string>
 
 #include "common/base/atomic_file.h"
@@ -14,6 +15,7 @@
 namespace {
 
 using shutterline::LogValue;
+using shutterline::server::Durability;
 
 struct Options {
   shutterline::server::Config config;
@@ -67,6 +69,19 @@ void Declare(CLI::App& app, Options& options) {
   app.add_option("--log-format", options.log_format, "text, or json: one object a line")
 >>>>>>> 79e30b8 (log: worker and lease on every line that knows them; --log-format json; docs: watching a farm)
       ->capture_default_str();
+  app.add_option(
+         "--durability", options.config.durability,
+         "What acknowledged data outlives: `power` (losses of power: waits for the disk) or `process` "
+         "(ends of this process: waits for the kernel alone)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Durability>{
+          {"power", Durability::kPower}, {"process", Durability::kProcess}}))
+      ->default_str("power");
+  app.add_option(
+         "--blob-limit-bytes", options.config.blob_limit_bytes,
+         "Bytes that uploaded files may take together, as 20GB; beyond it those that no live job needs "
+         "go, least recently used first; 0: no limit")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("0");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
   app.set_version_flag("--version", shutterline::kBuildId);

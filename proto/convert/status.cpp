@@ -1,14 +1,38 @@
 #include "proto/convert/status.h"
 
 #include <absl/strings/str_cat.h>
+#include <google/protobuf/any.pb.h>
 #include <google/protobuf/duration.pb.h>
 #include <google/protobuf/timestamp.pb.h>
 #include <grpcpp/support/status.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/base/retry_hint.h"
+#include "shutterline/v1/status_details.pb.h"
 
 namespace shutterline::convert {
 namespace {
 
 constexpr size_t kMaxMessageBytes = 4096;
+constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
+
+/// The trailer's bytes, where there is more to tell than code and message.
+std::string Details(const absl::Status& status, const std::string& message) {
+  const std::optional<absl::Duration> hint = RetryHint(status);
+  if (!hint) return "";
+  v1::RetryInfo info;
+  *info.mutable_retry_delay() = convert::ToProto(*hint);
+  v1::StatusDetails details;
+  details.set_code(int(status.code()));
+  details.set_message(message);
+  google::protobuf::Any& any = *details.add_details();
+  any.set_type_url(kRetryInfoUrl);
+  any.set_value(info.SerializeAsString());
+  return details.SerializeAsString();
+}
 
 }  // namespace
 
@@ -21,12 +45,21 @@ grpc::Status ToGrpc(const absl::Status& status) {
       --cut;  // A whole UTF-8 character.
     message = absl::StrCat(message.substr(0, cut), " … (", message.size() - cut, " more bytes)");
   }
-  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message);
+  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message, Details(status, message));
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  absl::Status result(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  v1::StatusDetails details;
+  // A peer's details may be anything; what cannot be read says nothing.
+  if (status.error_details().empty() || !details.ParseFromString(status.error_details())) return result;
+  for (const google::protobuf::Any& any : details.details()) {
+    v1::RetryInfo info;
+    if (any.type_url() != kRetryInfoUrl || !info.ParseFromString(any.value())) continue;
+    result = WithRetryHint(std::move(result), FromProto(info.retry_delay()));
+  }
+  return result;
 }
 
 google::protobuf::Duration ToProto(absl::Duration duration) {

@@ -14,7 +14,7 @@ class Timestamp;
 namespace shutterline::convert {
 
 /// The codes are the same numbers. A message beyond 4 KiB, which would not fit into HTTP/2 trailers, is cut
-/// and says so at its end.
+/// and says so at its end. A retry hint travels as google.rpc.RetryInfo in the status's details.
 grpc::Status ToGrpc(const absl::Status& status);
 absl::Status FromGrpc(const grpc::Status& status);
 

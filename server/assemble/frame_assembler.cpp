@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
 #include "common/base/status_macros.h"
 #include "common/image/exr.h"
@@ -16,6 +15,7 @@
 #include "common/job/describe_settings.h"
 #include "common/job/output_channels.h"
 #include "common/job/tile.h"
+#include "server/files/file.h"
 
 namespace shutterline::server {
 namespace {
@@ -31,7 +31,7 @@ void Paste(absl::string_view pixels, const TileRect& rect, Image& image) {
 
 absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
                                         const JobSpec& spec, const MatteNamesSource& names_source,
-                                        const std::string& path) {
+                                        const std::string& path, Durability durability) {
   const TileGrid grid{spec.render.width, spec.render.height};
   std::vector<std::string> names, exact;
   for (OutputChannel& channel : OutputChannelsOf(spec.render)) {
@@ -69,7 +69,7 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
     }
   }
   SL_ASSIGN_OR_RETURN(const std::string bytes, EncodeExr(image, spec.output, metadata, exact));
-  SL_RETURN_IF_ERROR(WriteFileAtomically(path, bytes));
+  SL_RETURN_IF_ERROR(PutFile(path, bytes, durability));
   result.digest = Sha256(bytes);
   result.size = bytes.size();
   return result;
@@ -79,12 +79,12 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const MatteNamesSource& names,
-                                             const std::string& path) {
+                                             const std::string& path, Durability durability) {
   try {
-    return Assemble(journal, key, spec, names, path);
+    return Assemble(journal, key, spec, names, path, durability);
   } catch (const std::bad_alloc&) {
     // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
-    return absl::ResourceExhaustedError(absl::StrCat(
+    return absl::FailedPreconditionError(absl::StrCat(
         "assemble ", path, ": out of memory for ", spec.render.width, " x ", spec.render.height, " pixels"));
   }
 }

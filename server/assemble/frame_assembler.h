@@ -11,6 +11,7 @@
 #include "common/cryptomatte/cryptomatte.h"
 #include "common/job/job_spec.h"
 #include "server/assemble/tile_journal.h"
+#include "server/files/durability.h"
 
 namespace shutterline::server {
 
@@ -25,10 +26,12 @@ struct AssembledFrame {
 /// Tells what a job's mattes are named after.
 using MatteNamesSource = std::function<absl::StatusOr<MatteNames>()>;
 
-/// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and durably.
-/// `names` is asked if the job has mattes. Equal tiles give equal bytes. Thread-safe for different frames.
+/// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and as durably
+/// as is asked. `names` is asked if the job has mattes. Equal tiles give equal bytes. RESOURCE_EXHAUSTED: the
+/// disk is full, for now; FAILED_PRECONDITION: this machine's memory does not hold the frame. Thread-safe for
+/// different frames.
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const MatteNamesSource& names,
-                                             const std::string& path);
+                                             const std::string& path, Durability durability);
 
 }  // namespace shutterline::server

@@ -17,7 +17,7 @@ std::string TileJournal::SegmentPath(uint64_t segment) const {
 
 absl::StatusOr<std::unique_ptr<TileJournal>> TileJournal::Open(const std::string& folder,
                                                                const Options& options) {
-  SL_RETURN_IF_ERROR(MakeFolders(folder));
+  SL_RETURN_IF_ERROR(MakeFolders(folder, options.durability));
   std::unique_ptr<TileJournal> journal(new TileJournal(folder, options));
   SL_ASSIGN_OR_RETURN(const std::vector<std::string> names, ListFolder(folder));
   absl::MutexLock lock(&journal->mutex_);
@@ -81,42 +81,59 @@ TileJournal::Outcome TileJournal::Stage(const TileAddress& address, const Digest
 }
 
 absl::Status TileJournal::StartSegment() {
-  const uint64_t segment = next_segment_++;
+  const uint64_t segment = next_segment_;
   SL_ASSIGN_OR_RETURN(file_, File::OpenToWrite(SegmentPath(segment)));
-  file_size_ = kJournalHeadBytes;
+  file_size_ = 0;
   SL_RETURN_IF_ERROR(file_->WriteAt(0, kJournalHead));
-  SL_RETURN_IF_ERROR(SyncFolder(folder_));
+  SL_RETURN_IF_ERROR(SyncFolder(folder_, options_.durability));
+  file_size_ = kJournalHeadBytes;
+  ++next_segment_;
   absl::MutexLock lock(&mutex_);
   const uint64_t before = std::exchange(current_, segment);
   if (before != 0 && pinned_[before] == 0) {
     pinned_.erase(before);
-    return RemoveFile(SegmentPath(before));
+    const absl::Status status = RemoveFile(SegmentPath(before));
+    if (!status.ok()) spdlog::warn("journal segment stays reason={}", LogValue(status.message()));
   }
   return absl::OkStatus();
 }
 
+absl::Status TileJournal::Append(absl::string_view bytes) {
+  if (!file_ || file_size_ + bytes.size() > options_.max_segment_bytes) SL_RETURN_IF_ERROR(StartSegment());
+  SL_RETURN_IF_ERROR(file_->WriteAt(file_size_, bytes));
+  return file_->SyncData(options_.durability);
+}
+
+void TileJournal::GiveUpSegment() {
+  if (!file_) return;
+  // A segment that was not even begun is as good as none; its number is used again.
+  const absl::Status status = file_size_ == 0 ? RemoveFile(file_->path()) : file_->Truncate(file_size_);
+  if (!status.ok()) {
+    // Its tiles, which nobody was told of, may come back after a restart; they are true ones.
+    spdlog::warn("journal segment keeps what was not acknowledged reason={}", LogValue(status.message()));
+  }
+  file_.reset();
+}
+
 absl::Status TileJournal::Commit() {
   if (staged_.empty()) return absl::OkStatus();
-  const std::string bytes = std::exchange(staged_bytes_, {});
-  const std::vector<std::pair<TileAddress, Place>> staged = std::exchange(staged_, {});
+  const absl::Status status = Annotate(Append(staged_bytes_), "journal");
   staged_digests_.clear();
-
-  const auto write = [&]() -> absl::Status {
-    if (!file_ || file_size_ + bytes.size() > options_.max_segment_bytes) SL_RETURN_IF_ERROR(StartSegment());
-    SL_RETURN_IF_ERROR(file_->WriteAt(file_size_, bytes));
-    return file_->SyncData();
-  };
-  const absl::Status status = Annotate(write(), "journal");
   if (!status.ok()) {
-    // What the file holds now is not known: nothing is ever appended to it again.
-    file_.reset();
+    staged_bytes_.clear();
+    staged_.clear();
+    GiveUpSegment();
     return status;
   }
-  absl::MutexLock lock(&mutex_);
-  for (const auto& [address, place] : staged) {
-    Insert(address, {current_, file_size_ + place.offset, place.size, place.digest});
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const auto& [address, place] : staged_) {
+      Insert(address, {current_, file_size_ + place.offset, place.size, place.digest});
+    }
   }
-  file_size_ += bytes.size();
+  file_size_ += staged_bytes_.size();
+  staged_bytes_.clear();  // Its memory serves the next group.
+  staged_.clear();
   return absl::OkStatus();
 }
 

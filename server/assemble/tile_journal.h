@@ -35,13 +35,16 @@ class TileJournal {
 
   struct Options {
     uint64_t max_segment_bytes = uint64_t{256} << 20;
+    Durability durability = Durability::kPower;
   };
   static absl::StatusOr<std::unique_ptr<TileJournal>> Open(const std::string& folder, const Options& options);
 
   /// Notes a tile for the next Commit, unless it is there already, with the same pixels (kDuplicate) or with
   /// others (kMismatch: the first are kept). `pixels` has at most kMaxPixelBytes.
   Outcome Stage(const TileAddress& address, const Digest& digest, absl::string_view pixels);
-  /// Makes what is staged durable and visible. On failure none of it is, and staging starts anew.
+  /// Makes what is staged durable and visible. On failure (RESOURCE_EXHAUSTED: the disk is full) none of it
+  /// is, now or after a restart where the disk still obeys, staging starts anew, and the next Commit tries
+  /// again.
   absl::Status Commit();
 
   /// Frames with tiles here, and their tiles.
@@ -69,6 +72,9 @@ class TileJournal {
   std::string SegmentPath(uint64_t segment) const;
   absl::Status Recover(uint64_t segment) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status StartSegment();
+  absl::Status Append(absl::string_view bytes);
+  /// Takes back what a failed Append has left in the file, and appends to it no more.
+  void GiveUpSegment();
   void Insert(const TileAddress& address, const Place& place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Unpin(const Place& place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropTiles(const FrameTiles& tiles) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/asset/digest.h"
 
@@ -29,6 +30,12 @@ class BlobWriter {
   virtual absl::StatusOr<CommittedBlob> Finish() = 0;
 };
 
+/// Keeps blobs from being evicted for as long as it lives. The store outlives it.
+class BlobPins {
+ public:
+  virtual ~BlobPins() = default;
+};
+
 /// Blobs by content. A blob is visible only when it is complete, verified and on the disk. Thread-safe.
 class AssetStore {
  public:
@@ -36,7 +43,8 @@ class AssetStore {
 
   virtual absl::StatusOr<CommittedBlob> Query(const Digest& digest) = 0;
   /// Of a blob that is not here yet. OUT_OF_RANGE where `offset` is not where the last writer stopped,
-  /// ABORTED where another writer is at it, RESOURCE_EXHAUSTED where `size` is beyond the limit.
+  /// ABORTED where another writer is at it, RESOURCE_EXHAUSTED where `size` is beyond the limit of a blob,
+  /// or, with a retry hint, where the store or its disk is full.
   virtual absl::StatusOr<std::unique_ptr<BlobWriter>> Write(const Digest& digest, uint64_t size,
                                                             uint64_t offset) = 0;
   /// NOT_FOUND where the blob is not here.
@@ -49,6 +57,9 @@ class AssetStore {
   /// A reader has found that the blob's bytes have another digest: it is not here any more, and can be
   /// uploaded again.
   virtual void ReportDamage(const Digest& digest) = 0;
+  /// These are not evicted while the result lives, be they here already or not: to be called before one looks
+  /// whether they are.
+  virtual std::shared_ptr<const BlobPins> Pin(std::vector<Digest> digests) = 0;
 };
 
 }  // namespace shutterline::server

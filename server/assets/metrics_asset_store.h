@@ -24,6 +24,9 @@ class MetricsAssetStore final : public AssetStore {
     return store_.ReadVerified(digest, max_bytes);
   }
   void ReportDamage(const Digest& digest) override { store_.ReportDamage(digest); }
+  std::shared_ptr<const BlobPins> Pin(std::vector<Digest> digests) override {
+    return store_.Pin(std::move(digests));
+  }
 
  private:
   AssetStore& store_;

@@ -10,6 +10,7 @@
 #include "common/job/job_spec.h"
 #include "server/config/listen_security.h"
 #include "server/config/stream_config.h"
+#include "server/files/durability.h"
 
 namespace shutterline::server {
 
@@ -31,11 +32,17 @@ struct Config {
 
   absl::Duration lease_ttl = absl::Seconds(15);            ///< Silence after which tiles are leased again.
   absl::Duration heartbeat_interval = absl::Seconds(5);    ///< Asked of workers.
-  absl::Duration stream_grace = absl::Seconds(1);          ///< From a stream's end until its leases end.
+  absl::Duration stream_grace = absl::Milliseconds(900);   ///< From a stream's end until its leases end.
   absl::Duration batch_time = absl::Milliseconds(250);     ///< Thread time that a lease aims at.
   absl::Duration commit_interval = absl::Milliseconds(5);  ///< Longest wait of a result for company.
   int commit_tiles = 64;                                   ///< Results that are written without waiting.
   int max_tile_failures = 3;                               ///< Of one tile, after which its job fails.
+
+  /// What acknowledged jobs, tiles, blobs and frames outlive.
+  Durability durability = Durability::kPower;
+  /// Of all blobs together; 0: no limit. Beyond it those that no live job needs are evicted, least recently
+  /// used first.
+  uint64_t blob_limit_bytes = 0;
 
   JobLimits job_limits;
   uint64_t max_blob_bytes = uint64_t{2} << 30;

@@ -3,6 +3,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "server/assemble/frame_assembler.h"
@@ -14,6 +16,16 @@ namespace {
 
 /// Jobs that have ended and are kept in memory; others are read from the store again.
 constexpr size_t kEndedInMemory = 256;
+
+/// How long to wait before the disk is asked again, after so many refusals in a row.
+absl::Duration RetryDelay(int failures) {
+  return std::min(absl::Milliseconds(250) * (1 << std::min(failures, 10)), absl::Seconds(5));
+}
+
+/// Troubles of the disk that pass: full, or busy.
+bool MayPass(const absl::Status& status) {
+  return absl::IsResourceExhausted(status) || absl::IsUnavailable(status);
+}
 
 SchedulerOptions OptionsOf(const Config& config) {
   SchedulerOptions options;
@@ -34,6 +46,7 @@ FarmObserver& Nobody() {
 Farm::Farm(Parts parts)
     : parts_(std::move(parts)),
       observer_(parts_.observer != nullptr ? *parts_.observer : Nobody()),
+      later_(*parts_.clock),
       scheduler_(*parts_.clock, OptionsOf(parts_.config)),
       registry_(parts_.identity),
       // Numbers of a later epoch are larger than any of an earlier one: an epoch would need 2^40 changes.
@@ -67,10 +80,12 @@ absl::Status Farm::Resume() {
 absl::Status Farm::ResumeJob(const JobRecord& record) {
   SL_ASSIGN_OR_RETURN(const std::vector<FinishedFrame> finished, parts_.store->FinishedFrames(record.key));
   std::vector<int> complete;
+  std::shared_ptr<const BlobPins> blobs = PinBlobs(record.spec);
   JobPtr job;
   {
     absl::MutexLock lock(&mutex_);
     job = std::make_shared<LiveJob>(record, NextSeq());
+    job->blobs = std::move(blobs);
     jobs_[job->id()] = by_key_[job->key()] = job;
     const TileGrid grid = job->grid();
     scheduler_.AddJob(job->key(), job->frame_count(), grid.Columns(), grid.Rows());
@@ -129,8 +144,13 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
   const absl::Time now = parts_.clock->Wall();
   const absl::Status stored = parts_.store->End(job->key(), state, error, now);
   if (!stored.ok()) {
-    // The job stands still until the next start, which takes it up again.
+    // The job stands still until its end can be stored, or until the next start, which takes it up again.
     spdlog::error("job's end could not be stored job={} reason={}", job->id(), LogValue(stored.message()));
+    if (MayPass(stored)) {
+      later_.Add(absl::Seconds(1), [this, job, state, error] {
+        parts_.frames_pool->Run([this, job, state, error] { (void)EndJob(job, state, error); });
+      });
+    }
     return stored;
   }
   parts_.journal->DropJob(job->key());
@@ -180,11 +200,11 @@ void Farm::ForgetOldJobs() {
   }
 }
 
-void Farm::WriteFrameSoon(const JobPtr& job, int index) {
-  parts_.frames_pool->Run([this, job, index] { WriteFrame(job, index); });
+void Farm::WriteFrameSoon(const JobPtr& job, int index, int failures) {
+  parts_.frames_pool->Run([this, job, index, failures] { WriteFrame(job, index, failures); });
 }
 
-void Farm::WriteFrame(const JobPtr& job, int index) {
+void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
   const int number = job->spec()->frames.Frame(index);
   FinishedFrame finished;
   finished.frame = number;
@@ -196,10 +216,11 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
   const absl::Duration began = parts_.clock->Monotonic();
   const std::string path = FramePath(*job, index);
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
-    SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/'))));
+    const Durability durability = parts_.config.durability;
+    SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/')), durability));
     const auto names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); };
-    SL_ASSIGN_OR_RETURN(AssembledFrame frame,
-                        AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), names, path));
+    SL_ASSIGN_OR_RETURN(AssembledFrame frame, AssembleFrame(*parts_.journal, {job->key(), index},
+                                                            *job->spec(), names, path, durability));
     if (frame.lost_tiles.empty()) {
       finished.digest = frame.digest;
       finished.size = frame.size;
@@ -208,6 +229,13 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
     return frame;
   };
   const absl::StatusOr<AssembledFrame> frame = write();
+  if (!frame.ok() && MayPass(frame.status())) {
+    const absl::Duration delay = RetryDelay(failures);
+    spdlog::warn("frame could not be written, trying again job={} frame={} delay_ms={} reason={}", job->id(),
+                 number, absl::ToInt64Milliseconds(delay), LogValue(frame.status().message()));
+    later_.Add(delay, [this, job, index, failures] { WriteFrameSoon(job, index, failures + 1); });
+    return;
+  }
   if (!frame.ok()) {
     (void)EndJob(job, JobState::kFailed,
                  absl::StrCat("write frame ", number, ": ", frame.status().message()));
@@ -237,6 +265,7 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
 }
 
 void Farm::Tick() {
+  for (const std::function<void()>& task : later_.TakeDue()) task();
   TileScheduler::Expired expired;
   {
     absl::MutexLock lock(&mutex_);

@@ -21,6 +21,7 @@
 #include "server/assets/asset_store.h"
 #include "server/config/config.h"
 #include "server/control/events.h"
+#include "server/control/later_tasks.h"
 #include "server/control/live_job.h"
 #include "server/control/observer.h"
 #include "server/control/work_pool.h"
@@ -138,6 +139,7 @@ class Farm {
   absl::StatusOr<JobPtr> Load(const JobRecord& record) ABSL_LOCKS_EXCLUDED(mutex_);
   JobSnapshot Snapshot(const LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckBlobs(const JobSpec& spec);
+  std::shared_ptr<const BlobPins> PinBlobs(const JobSpec& spec);
   absl::Status ResumeJob(const JobRecord& record);
   void ForgetOldJobs() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Notify(LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -148,8 +150,10 @@ class Farm {
   void EndPoisoned(const std::vector<PoisonedTile>& poisoned) ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::string FramePath(const LiveJob& job, int index) const;
-  void WriteFrameSoon(const JobPtr& job, int index);
-  void WriteFrame(const JobPtr& job, int index) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// `failures`: how often it has been tried in vain. A frame for which the disk has no room, for now, is
+  /// tried again later; its tiles stay in the journal meanwhile.
+  void WriteFrameSoon(const JobPtr& job, int index, int failures = 0);
+  void WriteFrame(const JobPtr& job, int index, int failures) ABSL_LOCKS_EXCLUDED(mutex_);
 
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool GrantOne(WorkerEntry& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -165,6 +169,7 @@ class Farm {
 
   const Parts parts_;
   FarmObserver& observer_;  ///< Somebody who hears nothing, where nobody else was given.
+  LaterTasks later_;                                    ///< What the disk refused; Tick tries it again.
   absl::Mutex end_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  ///< Serialises EndJob.
   absl::Mutex mutex_;
   TileScheduler scheduler_ ABSL_GUARDED_BY(mutex_);

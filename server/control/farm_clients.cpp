@@ -86,6 +86,12 @@ absl::Status Farm::CheckBlobs(const JobSpec& spec) {
   return absl::OkStatus();
 }
 
+std::shared_ptr<const BlobPins> Farm::PinBlobs(const JobSpec& spec) {
+  std::vector<Digest> digests;
+  for (const SceneFile& file : spec.scene.files) digests.push_back(file.digest);
+  return parts_.assets->Pin(std::move(digests));
+}
+
 absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const JobSpec& spec) {
   if (request_id.empty() || request_id.size() > kMaxRequestIdBytes) {
     return absl::InvalidArgumentError(absl::StrCat("request_id: has ", request_id.size(),
@@ -98,6 +104,7 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
   }
   if (!absl::IsNotFound(before.status())) return before.status();
 
+  std::shared_ptr<const BlobPins> blobs = PinBlobs(spec);  // First: what is seen stays.
   SL_RETURN_IF_ERROR(CheckBlobs(spec));
   SL_RETURN_IF_ERROR(parts_.check_scene(spec, *parts_.assets));
   SL_ASSIGN_OR_RETURN(const JobStore::Created created,
@@ -107,6 +114,7 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
   absl::MutexLock lock(&mutex_);
   if (const JobPtr job = FindLive(created.job.id)) return Snapshot(*job);
   const auto job = std::make_shared<LiveJob>(created.job, NextSeq());
+  job->blobs = std::move(blobs);
   jobs_[job->id()] = by_key_[job->key()] = job;
   const TileGrid grid = job->grid();
   scheduler_.AddJob(job->key(), job->frame_count(), grid.Columns(), grid.Rows());

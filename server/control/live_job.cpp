@@ -76,6 +76,7 @@ void LiveJob::End(JobState state, const std::string& error, absl::Time now, uint
   snapshot_.state = state;
   snapshot_.error = error;
   snapshot_.ended = now;
+  blobs.reset();
   Changed(seq_, seq, kJobItself);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/job/tile.h"
+#include "server/assets/asset_store.h"
 #include "server/control/events.h"
 #include "server/jobs/job_store.h"
 
@@ -48,6 +49,7 @@ class LiveJob {
   bool ending = false;  ///< Being ended: nothing of it counts any more.
   bool dirty = false;   ///< Changed since watchers were last told.
   std::set<JobWatcher*> watchers;
+  std::shared_ptr<const BlobPins> blobs;  ///< Its scene's, until it ends.
 
  private:
   struct FrameProgress {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/log.h"
+#include "common/base/retry_hint.h"
 
 namespace shutterline::server {
 
@@ -96,7 +97,8 @@ void ResultCommitter::Commit(std::deque<Batch> batches) {
   if (!committed.ok()) {
     spdlog::error("results could not be stored tiles={} reason={}", reports.size(),
                   LogValue(committed.message()));
-    const absl::Status status(absl::StatusCode::kUnavailable, committed.message());
+    // The workers keep what is not acknowledged and send it again.
+    const absl::Status status = WithRetryHint(absl::UnavailableError(committed.message()), absl::Seconds(1));
     for (const Batch& batch : batches) batch.done(status, {});
     return;
   }

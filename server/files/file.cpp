@@ -10,19 +10,36 @@
 #include <filesystem>
 #include <system_error>
 
+#include "common/base/retry_hint.h"
 #include "common/base/status_macros.h"
+#include "server/files/file_faults.h"
 
 namespace shutterline::server {
 namespace {
 
 namespace fs = std::filesystem;
 
+absl::Status StatusOf(int error, absl::string_view doing, const std::string& path) {
+  absl::Status status = absl::ErrnoToStatus(error, absl::StrCat(doing, " ", path));
+  // Space comes back without our doing.
+  return absl::IsResourceExhausted(status) ? WithRetryHint(std::move(status), absl::Seconds(1)) : status;
+}
+
 absl::Status Failed(absl::string_view doing, const std::string& path) {
-  return absl::ErrnoToStatus(errno, absl::StrCat(doing, " ", path));
+  return StatusOf(errno, doing, path);
 }
 
 absl::Status Failed(absl::string_view doing, const std::string& path, const std::error_code& error) {
-  return absl::ErrnoToStatus(error.value(), absl::StrCat(doing, " ", path));
+  return StatusOf(error.value(), doing, path);
+}
+
+using Kind = FileOperation::Kind;
+
+/// Asks the installed faults. True: the operation is not to be tried, and errno says how it failed.
+bool FailsByFault(Kind kind, absl::string_view path) {
+  const int error = AskFileFaults({kind, path, 0}).error;
+  if (error != 0) errno = error;
+  return error != 0;
 }
 
 std::string FolderOf(const std::string& path) {
@@ -39,6 +56,7 @@ absl::StatusOr<File> File::OpenToRead(const std::string& path) {
 }
 
 absl::StatusOr<File> File::OpenToWrite(const std::string& path) {
+  if (FailsByFault(Kind::kCreate, path)) return Failed("open", path);
   const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) return Failed("open", path);
   return File(path, fd);
@@ -77,7 +95,13 @@ absl::StatusOr<std::string> File::ReadAt(uint64_t offset, size_t count) const {
 absl::Status File::WriteAt(uint64_t offset, absl::string_view data) {
   size_t done = 0;
   while (done < data.size()) {
-    const ssize_t put = ::pwrite(fd_, data.data() + done, data.size() - done, off_t(offset + done));
+    const FileFaults::Verdict verdict = AskFileFaults({Kind::kWrite, path_, data.size() - done});
+    if (verdict.error != 0) {
+      errno = verdict.error;
+      return Failed("write", path_);
+    }
+    const size_t count = std::min(data.size() - done, verdict.bytes);
+    const ssize_t put = ::pwrite(fd_, data.data() + done, count, off_t(offset + done));
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) return Failed("write", path_);
     done += size_t(put);
@@ -86,40 +110,61 @@ absl::Status File::WriteAt(uint64_t offset, absl::string_view data) {
 }
 
 absl::Status File::Truncate(uint64_t size) {
-  if (::ftruncate(fd_, off_t(size)) != 0) return Failed("truncate", path_);
+  if (FailsByFault(Kind::kTruncate, path_) || ::ftruncate(fd_, off_t(size)) != 0)
+    return Failed("truncate", path_);
   return absl::OkStatus();
 }
 
-absl::Status File::SyncData() {
-  if (::fdatasync(fd_) != 0) return Failed("flush", path_);
+absl::Status File::SyncData(Durability durability) {
+  if (durability == Durability::kProcess) return absl::OkStatus();
+  if (FailsByFault(Kind::kSync, path_) || ::fdatasync(fd_) != 0) return Failed("flush", path_);
   return absl::OkStatus();
 }
 
-absl::Status MakeFolders(const std::string& path) {
+absl::Status MakeFolders(const std::string& path, Durability durability) {
   std::error_code error;
   if (fs::is_directory(path, error)) return absl::OkStatus();
   const std::string parent = FolderOf(path);
-  if (parent != path) SL_RETURN_IF_ERROR(MakeFolders(parent));
+  if (parent != path) SL_RETURN_IF_ERROR(MakeFolders(parent, durability));
+  if (FailsByFault(Kind::kMakeFolder, path)) return Failed("make folder", path);
   if (!fs::create_directory(path, error) && error) return Failed("make folder", path, error);
-  return SyncFolder(parent);
+  return SyncFolder(parent, durability);
 }
 
-absl::Status SyncFolder(const std::string& path) {
+absl::Status SyncFolder(const std::string& path, Durability durability) {
+  if (durability == Durability::kProcess) return absl::OkStatus();
   const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return Failed("open folder", path);
-  const int result = ::fsync(fd);
-  const absl::Status status = result == 0 ? absl::OkStatus() : Failed("flush folder", path);
+  const bool flushed = !FailsByFault(Kind::kSyncFolder, path) && ::fsync(fd) == 0;
+  const absl::Status status = flushed ? absl::OkStatus() : Failed("flush folder", path);
   ::close(fd);
   return status;
 }
 
-absl::Status RenameDurably(const std::string& from, const std::string& to) {
-  if (::rename(from.c_str(), to.c_str()) != 0) return Failed(absl::StrCat("rename ", from, " to"), to);
-  SL_RETURN_IF_ERROR(SyncFolder(FolderOf(to)));
-  return FolderOf(from) == FolderOf(to) ? absl::OkStatus() : SyncFolder(FolderOf(from));
+absl::Status RenameDurably(const std::string& from, const std::string& to, Durability durability) {
+  if (FailsByFault(Kind::kRename, to) || ::rename(from.c_str(), to.c_str()) != 0)
+    return Failed(absl::StrCat("rename ", from, " to"), to);
+  SL_RETURN_IF_ERROR(SyncFolder(FolderOf(to), durability));
+  return FolderOf(from) == FolderOf(to) ? absl::OkStatus() : SyncFolder(FolderOf(from), durability);
+}
+
+absl::Status PutFile(const std::string& path, absl::string_view contents, Durability durability) {
+  const std::string part = absl::StrCat(path, ".part");
+  const auto put = [&]() -> absl::Status {
+    SL_ASSIGN_OR_RETURN(File file, File::OpenToWrite(part));
+    SL_RETURN_IF_ERROR(file.Truncate(0));  // A writer that died may have left one.
+    SL_RETURN_IF_ERROR(file.WriteAt(0, contents));
+    SL_RETURN_IF_ERROR(file.SyncData(durability));
+    return RenameDurably(part, path, durability);
+  };
+  absl::Status status = put();
+  // Where it stays, the next writer replaces it.
+  if (!status.ok()) (void)RemoveFile(part);
+  return status;
 }
 
 absl::Status RemoveFile(const std::string& path) {
+  if (FailsByFault(Kind::kRemove, path)) return Failed("remove", path);
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) return Failed("remove", path);
   return absl::OkStatus();
 }

@@ -8,11 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "server/files/durability.h"
+
 namespace shutterline::server {
 
 /// An open file. Errors have the code of their errno (NOT_FOUND, PERMISSION_DENIED, RESOURCE_EXHAUSTED: disk
-/// full, ...) and name the file. Movable; calls on one object from several threads are as safe as pread and
-/// pwrite are.
+/// full, with a retry hint, ...) and name the file. Movable; calls on one object from several threads are as
+/// safe as pread and pwrite are.
 class File {
  public:
   static absl::StatusOr<File> OpenToRead(const std::string& path);
@@ -28,8 +30,8 @@ class File {
   absl::StatusOr<std::string> ReadAt(uint64_t offset, size_t count) const;
   absl::Status WriteAt(uint64_t offset, absl::string_view data);
   absl::Status Truncate(uint64_t size);
-  /// Returns once the contents are on the disk.
-  absl::Status SyncData();
+  /// Returns once the contents are as durable as is asked.
+  absl::Status SyncData(Durability durability);
 
  private:
   File(std::string path, int fd) : path_(std::move(path)), fd_(fd) {}
@@ -38,12 +40,15 @@ class File {
   int fd_ = -1;
 };
 
-/// Makes the folder and those above it; what has been made is on the disk afterwards.
-absl::Status MakeFolders(const std::string& path);
-/// Puts the folder's entries on the disk.
-absl::Status SyncFolder(const std::string& path);
-/// Renames within one file system, replacing `to`, and puts both folders' entries on the disk.
-absl::Status RenameDurably(const std::string& from, const std::string& to);
+/// Makes the folder and those above it; what has been made is as durable as is asked.
+absl::Status MakeFolders(const std::string& path, Durability durability);
+/// Makes the folder's entries as durable as is asked.
+absl::Status SyncFolder(const std::string& path, Durability durability);
+/// Renames within one file system, replacing `to`, and makes both folders' entries as durable as is asked.
+absl::Status RenameDurably(const std::string& from, const std::string& to, Durability durability);
+/// Puts `contents` into `path`, replacing a file that is there: readers see the old one or the new one, never
+/// a part. The bytes go to `path`.part first, which is removed on failure; one writer a path at a time.
+absl::Status PutFile(const std::string& path, absl::string_view contents, Durability durability);
 /// OK also where there is no such file.
 absl::Status RemoveFile(const std::string& path);
 /// Removes the folder with all that is in it; OK also where there is none.

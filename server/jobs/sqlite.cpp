@@ -3,13 +3,15 @@
 #include <absl/strings/str_cat.h>
 #include <sqlite3.h>
 
+#include "common/base/retry_hint.h"
+
 namespace shutterline::server {
 
 absl::Status SqliteError(sqlite3* database, absl::string_view doing) {
   const std::string message = absl::StrCat("job store: ", doing, ": ", sqlite3_errmsg(database));
   switch (sqlite3_errcode(database) & 0xff) {
     case SQLITE_FULL:
-      return absl::ResourceExhaustedError(message);
+      return WithRetryHint(absl::ResourceExhaustedError(message), absl::Seconds(1));
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return absl::DataLossError(message);

@@ -13,6 +13,7 @@
 #include "proto/convert/render_stats.h"
 #include "server/jobs/schema.h"
 #include "server/jobs/sqlite.h"
+#include "server/jobs/upgrade_spec.h"
 
 namespace shutterline::server {
 namespace {
@@ -33,6 +34,7 @@ absl::StatusOr<JobRecord> ReadJob(SqliteStatement& row) {
   if (!spec.ParseFromString(row.ColumnBytes(3))) {
     return absl::DataLossError(absl::StrCat("job store: job ", job.id, ": its specification cannot be read"));
   }
+  UpgradeSpec(spec);
   absl::StatusOr<JobSpec> translated = convert::FromProto(spec, kNoLimits);
   if (!translated.ok()) {
     return absl::DataLossError(absl::StrCat("job store: job ", job.id, ": ", translated.status().message()));
@@ -68,7 +70,8 @@ absl::StatusOr<std::vector<JobRecord>> ReadJobs(SqliteStatement& rows) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<SqliteJobStore>> SqliteJobStore::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<SqliteJobStore>> SqliteJobStore::Open(const std::string& path,
+                                                                     Durability durability) {
   sqlite3* database = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &database,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -82,7 +85,8 @@ absl::StatusOr<std::unique_ptr<SqliteJobStore>> SqliteJobStore::Open(const std::
     return absl::FailedPreconditionError(absl::StrCat(path, ": another coordinator uses it"));
   }
   SL_RETURN_IF_ERROR(Annotate(locked, path));
-  SL_RETURN_IF_ERROR(store->Execute("PRAGMA synchronous = FULL"));
+  SL_RETURN_IF_ERROR(store->Execute(durability == Durability::kPower ? "PRAGMA synchronous = FULL"
+                                                                     : "PRAGMA synchronous = OFF"));
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA foreign_keys = ON"));
   SL_RETURN_IF_ERROR(Annotate(store->Migrate(), path));
   return store;

@@ -5,19 +5,22 @@
 
 #include <memory>
 
+#include "server/files/durability.h"
 #include "server/jobs/job_store.h"
 
 struct sqlite3;
 
 namespace shutterline::server {
 
-/// JobStore in one SQLite file (WAL, synchronous=FULL: a commit is on the disk when it returns). The file is
-/// locked for as long as the store lives, so that only one coordinator uses it.
+/// JobStore in one SQLite file (WAL; synchronous=FULL: a commit is on the disk when it returns, or OFF where
+/// only the process may die). The file is locked for as long as the store lives, so that only one coordinator
+/// uses it.
 class SqliteJobStore final : public JobStore {
  public:
   /// Opens or makes the file and brings its schema up to date. FAILED_PRECONDITION where another process
   /// uses it, or it was made by a later version; DATA_LOSS where it is damaged.
-  static absl::StatusOr<std::unique_ptr<SqliteJobStore>> Open(const std::string& path);
+  static absl::StatusOr<std::unique_ptr<SqliteJobStore>> Open(const std::string& path,
+                                                              Durability durability = Durability::kPower);
   ~SqliteJobStore() override;
 
   absl::StatusOr<uint64_t> NextEpoch() override;

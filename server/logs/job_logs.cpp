@@ -28,7 +28,7 @@ std::optional<absl::string_view> JobOf(absl::string_view message) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobLogs>> JobLogs::Open(const std::string& folder, const Options& options) {
-  SL_RETURN_IF_ERROR(MakeFolders(folder));
+  SL_RETURN_IF_ERROR(MakeFolders(folder, Durability::kProcess));
   std::unique_ptr<JobLogs> logs(new JobLogs(folder, options));
   AddLogListener(logs.get());
   return logs;

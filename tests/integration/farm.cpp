@@ -31,6 +31,7 @@ Farm::Farm() {
   std::string folder = (fs::temp_directory_path() / "shutterline-farm.XXXXXX").string();
   EXPECT_NE(mkdtemp(folder.data()), nullptr);
   folder_ = folder;
+  data_ = folder_ / "data";
 }
 
 Farm::~Farm() {
@@ -64,7 +65,7 @@ void Farm::StartServer() {
                                   "--listen",
                                   absl::StrCat("127.0.0.1:", port_),
                                   "--data",
-                                  (folder_ / "data").string(),
+                                  data_.string(),
                                   "--port-file",
                                   port_file.string()};
   all.insert(all.end(), server_flags.begin(), server_flags.end());
@@ -77,10 +78,10 @@ void Farm::StartServer() {
   ASSERT_TRUE(absl::SimpleAtoi(text, &port_)) << text;
 }
 
-void Farm::StartWorker(const std::string& name, int threads) {
+void Farm::StartWorker(const std::string& name, int threads, const std::string& address) {
   std::vector<std::string> all = {Program("shutterline-worker"),
                                   "--coordinator",
-                                  Address(),
+                                  address.empty() ? Address() : address,
                                   "--name",
                                   name,
                                   "--threads",
@@ -90,6 +91,12 @@ void Farm::StartWorker(const std::string& name, int threads) {
   all.insert(all.end(), worker_flags.begin(), worker_flags.end());
   workers_[name] = Process::Start(all, folder_ / absl::StrCat("worker-", name, "-", ++runs_));
   ASSERT_NE(workers_[name], nullptr);
+}
+
+void Farm::KillWorker(const std::string& name) {
+  workers_.at(name)->Signal(SIGKILL);
+  EXPECT_EQ(workers_.at(name)->Wait(), 128 + SIGKILL);
+  workers_.erase(name);
 }
 
 std::string Farm::Address() const {

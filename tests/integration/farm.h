@@ -2,11 +2,13 @@
 
 #include <absl/time/time.h>
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "shutterline/v1/jobs.grpc.pb.h"
@@ -33,10 +35,16 @@ class Farm {
 
   /// On any free port the first time, and on the same port, with the same data, after that.
   void StartServer();
+  /// In place of one below `folder()`.
+  void SetDataFolder(const std::filesystem::path& data) { data_ = data; }
   Process& server() { return *server_; }
-  void StartWorker(const std::string& name, int threads);
+  /// It dials `address`; the server's where that is empty.
+  void StartWorker(const std::string& name, int threads, const std::string& address = "");
+  /// Kills the worker at once and waits for its end.
+  void KillWorker(const std::string& name);
   Process& worker(const std::string& name) { return *workers_.at(name); }
   std::string Address() const;
+  int port() const { return port_; }
 
   struct Ended {
     int status = -1;
@@ -54,13 +62,13 @@ class Farm {
   v1::Job WatchUntil(const std::string& job, const std::function<bool(const v1::Job&)>& done);
   /// Waits until so many workers are registered.
   void WaitForWorkers(int count);
-
- private:
+  /// A stub with a channel of its own.
   std::unique_ptr<v1::Jobs::Stub> Stub() const;
 
-  std::filesystem::path folder_;
+ private:
+  std::filesystem::path folder_, data_;
   int port_ = 0;
-  int runs_ = 0;  // Of programs: numbers their logs.
+  std::atomic<int> runs_ = 0;  // Of programs: numbers their logs.
   std::unique_ptr<Process> server_;
   std::map<std::string, std::unique_ptr<Process>> workers_;
 };

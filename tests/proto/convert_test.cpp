@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "common/base/retry_hint.h"
 #include "proto/convert/job_spec.h"
 #include "proto/convert/status.h"
 
@@ -214,6 +215,25 @@ TEST(ConvertStatusTest, CodesAndMessagesSurviveAndLongOnesAreCutInWholeCharacter
   EXPECT_THAT(cut, HasSubstr("more bytes"));
   EXPECT_EQ(cut.substr(0, 4095), text.substr(0, 4095));
   EXPECT_EQ(cut[4095], ' ');
+}
+
+TEST(ConvertStatusTest, RetryHintsTravelAsRetryInfoAndHostileDetailsSayNothing) {
+  const absl::Status full =
+      WithRetryHint(absl::ResourceExhaustedError("disk full"), absl::Milliseconds(1500));
+  const grpc::Status sent = ToGrpc(full);
+  // As google.rpc.Status with a google.rpc.RetryInfo of 1 s and 500,000,000 ns would be serialized.
+  const std::string any = std::string("\x0a\x28") + "type.googleapis.com/google.rpc.RetryInfo" +
+                          "\x12\x0a\x0a\x08\x08\x01\x10\x80\xca\xb5\xee\x01";
+  EXPECT_EQ(sent.error_details(),
+            std::string("\x08\x08\x12\x09") + "disk full" + "\x1a" + char(any.size()) + any);
+  EXPECT_EQ(RetryHint(FromGrpc(sent)), absl::Milliseconds(1500));
+  EXPECT_EQ(FromGrpc(sent).message(), "disk full");
+  EXPECT_EQ(ToGrpc(absl::ResourceExhaustedError("too large")).error_details(), "");
+  for (const std::string hostile :
+       {std::string("\xff\xff"), std::string(1000, '\x1a'), std::string("\x1a\x02\x12\x00", 4)}) {
+    EXPECT_EQ(RetryHint(FromGrpc(grpc::Status(grpc::StatusCode::UNAVAILABLE, "x", hostile))), std::nullopt);
+  }
+  EXPECT_TRUE(WithRetryHint(absl::OkStatus(), absl::Seconds(1)).ok());
 }
 
 TEST(ConvertStatusTest, DurationsRoundTripAndMalformedOnesAreZero) {

@@ -25,7 +25,7 @@ std::string Pixels(uint32_t tile, size_t bytes = 48) {
 }
 
 std::unique_ptr<TileJournal> OpenOrDie(const std::string& folder, uint64_t max_segment_bytes = 1 << 20) {
-  auto journal = TileJournal::Open(folder, {max_segment_bytes});
+  auto journal = TileJournal::Open(folder, {.max_segment_bytes = max_segment_bytes});
   EXPECT_TRUE(journal.ok()) << journal.status();
   return *std::move(journal);
 }

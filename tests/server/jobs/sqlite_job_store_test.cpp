@@ -1,11 +1,9 @@
 #include "server/jobs/sqlite_job_store.h"
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include <fstream>
 
-#include "server/jobs/schema.h"
 #include "tests/support/temporary_folder.h"
 
 namespace shutterline::server {
@@ -88,26 +86,6 @@ TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
   EXPECT_EQ(unfinished[0].id, b.id);
   ASSERT_TRUE(store_->RemoveFinishedFrame(a.key, 1).ok());
   EXPECT_TRUE(store_->FinishedFrames(a.key)->empty());
-}
-
-TEST_F(SqliteJobStoreTest, AStoreOfTheFirstVersionIsBroughtUpToDateAndKeepsItsFrames) {
-  const std::string path = folder_.path() + "/first.sqlite";
-  sqlite3* first = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &first), SQLITE_OK);
-  const std::string script = std::string(kMigrations[0]) +
-                             "PRAGMA user_version = 1;"
-                             "INSERT INTO jobs VALUES (1, 'id', 'request', x'', 1, '', 0, NULL);"
-                             "INSERT INTO finished_frames VALUES (1, 7, zeroblob(32), 99);";
-  ASSERT_EQ(sqlite3_exec(first, script.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
-      << sqlite3_errmsg(first);
-  sqlite3_close(first);
-  const auto store = SqliteJobStore::Open(path);
-  ASSERT_TRUE(store.ok()) << store.status();
-  const std::vector<FinishedFrame> frames = (*store)->FinishedFrames(1).value();
-  ASSERT_EQ(frames.size(), 1u);
-  EXPECT_EQ(frames[0].frame, 7);
-  EXPECT_EQ(frames[0].size, 99u);
-  EXPECT_EQ(frames[0].stats, RenderStats());
 }
 
 TEST_F(SqliteJobStoreTest, FolderOfOneStoreIsClosedToAnother) {
