@@ -31,7 +31,8 @@ grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* contex
                                              const v1::SubmitRequest* request, v1::Job* response) {
   return AnswerFrom(parts_.submit_pool, context, [this, request, response]() -> absl::Status {
     SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(request->spec(), parts_.config.job_limits));
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(request->request_id(), spec));
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job,
+                        parts_.farm.Submit(request->request_id(), spec, WishesOf(*request)));
     *response = ToMessage(job, SpecDetail::kFull);
     return absl::OkStatus();
   });
@@ -41,8 +42,7 @@ grpc::ServerUnaryReactor* JobService::Get(grpc::CallbackServerContext* context, 
                                           v1::Job* response) {
   return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
     SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Get(request->job_id()));
-    *response = ToMessage(job, SpecDetail::kFull);
-    return absl::OkStatus();
+    return FillWhole(job, *response);
   });
 }
 
@@ -72,14 +72,35 @@ grpc::ServerUnaryReactor* JobService::List(grpc::CallbackServerContext* context,
 grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* context,
                                               const v1::ControlRequest* request, v1::Job* response) {
   return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
-    if (request->action() != v1::ControlRequest::ACTION_CANCEL) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("action: value ", int(request->action()), " is not known or not specified"));
-    }
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Cancel(request->job_id()));
-    *response = ToMessage(job, SpecDetail::kFull);
-    return absl::OkStatus();
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, DoControl(*request));
+    return FillWhole(job, *response);
   });
+}
+
+absl::StatusOr<JobSnapshot> JobService::DoControl(const v1::ControlRequest& request) {
+  switch (request.action()) {
+    case v1::ControlRequest::ACTION_CANCEL:
+      return parts_.farm.Cancel(request.job_id());
+    case v1::ControlRequest::ACTION_PAUSE:
+      return parts_.farm.SetPaused(request.job_id(), true);
+    case v1::ControlRequest::ACTION_RESUME:
+      return parts_.farm.SetPaused(request.job_id(), false);
+    case v1::ControlRequest::ACTION_RETRY:
+      return parts_.farm.Retry(request.job_id());
+    case v1::ControlRequest::ACTION_SET_PRIORITY:
+      return parts_.farm.SetPriority(request.job_id(), request.priority());
+    default:
+      return absl::InvalidArgumentError(
+          absl::StrCat("action: value ", int(request.action()), " is not known or not specified"));
+  }
+}
+
+absl::Status JobService::FillWhole(const JobSnapshot& job, v1::Job& response) {
+  response = ToMessage(job, SpecDetail::kFull);
+  SL_ASSIGN_OR_RETURN(const std::vector<QuarantinedTile> quarantined,
+                      parts_.farm.QuarantinedTiles(job.id, kMaxToldQuarantined));
+  AddQuarantined(quarantined, response);
+  return absl::OkStatus();
 }
 
 grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* context,
