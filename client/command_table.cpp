@@ -16,6 +16,10 @@ const std::vector<CommandEntry>& CommandTable() {
       {"fetch", "On a farm", "Get a job's finished frames", MakeFetchCommand},
       {"logs", "On a farm", "Tell what happened to a job", MakeLogsCommand},
       {"cancel", "On a farm", "End a job; finished frames stay", MakeCancelCommand},
+      {"pause", "On a farm", "Give no more tiles of a job to workers", MakePauseCommand},
+      {"resume", "On a farm", "Let a paused job go on", MakeResumeCommand},
+      {"retry", "On a farm", "Render again what a job lacks", MakeRetryCommand},
+      {"priority", "On a farm", "Serve a job before or after others", MakePriorityCommand},
       {"trace", "On a farm", "Write which worker rendered which tile when", MakeTraceCommand},
       {"workers", "On a farm", "List the workers that are connected", MakeWorkersCommand},
   };

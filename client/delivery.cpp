@@ -52,8 +52,8 @@ absl::StatusOr<Delivery> Deliver(Connection& connection, const std::string& job_
                         }
                         return absl::OkStatus();
                       }));
-  // A success promises every frame, whatever the events said one by one.
-  if (delivery.job.state() == v1::JOB_STATE_SUCCEEDED) {
+  // These promise every frame, whatever the events said one by one.
+  if (delivery.job.state() == v1::JOB_STATE_SUCCEEDED || delivery.job.state() == v1::JOB_STATE_PARTIAL) {
     for (int64_t index = 0; index < frames.Count(); ++index) {
       SL_RETURN_IF_ERROR(fetch(frames.Frame(index)));
     }
@@ -64,6 +64,7 @@ absl::StatusOr<Delivery> Deliver(Connection& connection, const std::string& job_
 
 std::string DescribeEnd(const v1::Job& job) {
   std::string text = absl::StrCat("job ", job.id(), " ", WordOf(job.state()));
+  if (!HasEnded(job.state()) && job.paused()) absl::StrAppend(&text, ", paused");
   if (!job.error().empty()) absl::StrAppend(&text, ": ", Printable(job.error()));
   if (job.frames_finished() > 0) {
     absl::StrAppend(&text, " (", job.frames_finished(), " of ", job.frames_total(), " frames finished)");
@@ -78,7 +79,14 @@ ProgressFacts FactsOf(const v1::Job& job) {
   facts.total = static_cast<int64_t>(job.tiles_total());
   facts.frames_done = job.frames_finished();
   facts.frames_total = job.frames_total();
-  if (!HasEnded(job.state()) && job.workers() == 0) facts.note = "no worker is connected";
+  if (HasEnded(job.state())) return facts;
+  if (job.paused()) {
+    facts.note = "paused";
+  } else if (job.waits_for_size() > 0) {
+    facts.note = absl::StrCat("waits for job ", Printable(job.waits_for(0)));
+  } else if (job.workers() == 0) {
+    facts.note = "no worker is connected";
+  }
   return facts;
 }
 
@@ -94,6 +102,8 @@ std::string WordOf(v1::JobState state) {
       return "failed";
     case v1::JOB_STATE_CANCELLED:
       return "cancelled";
+    case v1::JOB_STATE_PARTIAL:
+      return "partial";
     default:
       return "unknown";
   }

@@ -21,7 +21,7 @@ struct Delivery {
   std::vector<FetchedFrame> frames;         ///< In the order in which they were written.
   std::map<int, v1::FrameStatus> finished;  ///< How each finished frame stands, by its number.
 
-  /// kSuccess where every frame is here, kPartial where some are, kFailed where none is.
+  /// kSuccess where every frame is here whole, kPartial where some are, or lack tiles, kFailed where none is.
   ExitCode Code() const;
 };
 
@@ -45,7 +45,8 @@ std::string DescribeEnd(const v1::Job& job);
 /// What Progress draws, from a job's state and counts.
 ProgressFacts FactsOf(const v1::Job& job);
 
-/// "queued", "running", "succeeded", "failed", "cancelled"; "unknown" for what a later server may say.
+/// "queued", "running", "succeeded", "failed", "cancelled", "partial"; "unknown" for what a later server may
+/// say.
 std::string WordOf(v1::JobState state);
 
 }  // namespace shutterline::client

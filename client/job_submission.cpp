@@ -10,7 +10,8 @@
 #include "proto/convert/job_spec.h"
 
 namespace shutterline::client {
-absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, Progress& progress) {
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options,
+                                     const v1::SubmitRequest& wishes, Progress& progress) {
   SL_ASSIGN_OR_RETURN(const v1::Capabilities capabilities, Greet(connection));
   SL_ASSIGN_OR_RETURN(const auto source, OpenSceneSource(options.scene, options.environment));
   JobSpec spec;
@@ -39,7 +40,7 @@ absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& o
                       }));
   progress.Note(absl::StrCat(Printable(spec.name), ": ", Describe(submission.upload)));
 
-  v1::SubmitRequest request;
+  v1::SubmitRequest request = wishes;
   request.set_request_id(MakeUuid());  // One for all repetitions: the job is made once.
   *request.mutable_spec() = convert::ToProto(spec);
   SL_ASSIGN_OR_RETURN(submission.job, connection.Repeat<v1::Job>(

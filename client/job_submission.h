@@ -16,6 +16,8 @@ struct Submission {
 
 /// Reads the scene's files, uploads those that the coordinator lacks and submits the job: what `render`
 /// and `submit` have in common. Once this returns OK, the job is on the coordinator's disk.
-absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, Progress& progress);
+/// `wishes` has what the request asks for beside the specification.
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options,
+                                     const v1::SubmitRequest& wishes, Progress& progress);
 
 }  // namespace shutterline::client

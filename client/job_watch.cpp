@@ -40,7 +40,7 @@ absl::Status ReadEvents(Connection& connection, const std::string& job_id, const
 
 bool HasEnded(v1::JobState state) {
   return state == v1::JOB_STATE_SUCCEEDED || state == v1::JOB_STATE_FAILED ||
-         state == v1::JOB_STATE_CANCELLED;
+         state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_PARTIAL;
 }
 
 absl::StatusOr<v1::Job> WatchJob(Connection& connection, const std::string& job_id,

@@ -35,6 +35,28 @@ const char* WordOf(v1::FrameState state) {
   }
 }
 
+Json Texts(const google::protobuf::RepeatedPtrField<std::string>& texts) {
+  Json list = Json::array();
+  for (const std::string& text : texts) list.push_back(text);
+  return list;
+}
+
+Json QuarantinedJson(const v1::Job& job) {
+  Json tiles = Json::array();
+  for (const v1::QuarantinedTile& tile : job.quarantined()) {
+    Json evidence = Json::array();
+    for (const v1::TileTrouble& trouble : tile.evidence()) {
+      evidence.push_back({{"worker_uuid", trouble.worker_uuid()},
+                          {"worker_name", trouble.worker_name()},
+                          {"worker_ended", trouble.worker_ended()},
+                          {"reason", trouble.reason()},
+                          {"time", OrNull(client::TimeText(trouble.time()))}});
+    }
+    tiles.push_back({{"frame", tile.frame()}, {"tile", tile.tile()}, {"evidence", evidence}});
+  }
+  return tiles;
+}
+
 }  // namespace
 
 std::string TimeText(const google::protobuf::Timestamp& time) {
@@ -53,6 +75,13 @@ Json ToJson(const v1::Job& job) {
   json["tiles_done"] = job.tiles_done();
   json["workers"] = job.workers();
   json["mismatched_tiles"] = job.mismatched_tiles();
+  json["priority"] = job.priority();
+  json["user"] = job.user();
+  json["paused"] = job.paused();
+  json["after"] = Texts(job.after());
+  json["waits_for"] = Texts(job.waits_for());
+  json["tiles_quarantined"] = job.tiles_quarantined();
+  if (job.quarantined_size() > 0) json["quarantined"] = QuarantinedJson(job);
   json["submitted"] = OrNull(TimeText(job.submitted()));
   json["ended"] = OrNull(TimeText(job.ended()));
   if (job.has_spec()) {
@@ -73,6 +102,7 @@ Json ToJson(const v1::FrameStatus& frame) {
   json["state"] = WordOf(frame.state());
   json["tiles_total"] = frame.tiles_total();
   json["tiles_done"] = frame.tiles_done();
+  json["tiles_missing"] = frame.tiles_missing();
   json["digest"] = OrNull(HexOf(frame.digest()));
   json["size_bytes"] = frame.state() == v1::FRAME_STATE_FINISHED ? Json(frame.size_bytes()) : Json(nullptr);
   return json;

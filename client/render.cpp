@@ -83,7 +83,7 @@ class RenderCommand : public Command {
     connection_options.interrupt = &interrupt;
     Connection connection(farm->Channel(), "the renderer in this process", connection_options);
     Progress progress(ChooseStyle(console, quiet_), console.err);
-    SL_ASSIGN_OR_RETURN(const Submission submission, SubmitJob(connection, options_, progress));
+    SL_ASSIGN_OR_RETURN(const Submission submission, SubmitJob(connection, options_, {}, progress));
     const absl::StatusOr<Delivery> delivery =
         Deliver(connection, submission.job.id(), options_.frames, &destination, progress);
     if (!delivery.ok()) {

@@ -89,6 +89,9 @@ class StatusCommand : public Command {
     PrintRow(out, "state",
              facts.note.empty() ? facts.state : absl::StrCat(facts.state, " (", facts.note, ")"));
     PrintRow(out, "error", job.error());
+    if (job.priority() != 0) PrintRow(out, "priority", absl::StrCat(job.priority()));
+    PrintRow(out, "user", job.user());
+    for (const std::string& id : job.waits_for()) PrintRow(out, "waits for", id);
     PrintRow(out, "frames", absl::StrCat(job.frames_finished(), " of ", job.frames_total(), " finished"));
     PrintRow(out, "tiles", absl::StrCat(job.tiles_done(), " of ", job.tiles_total(), " done"));
     PrintRow(out, "size", absl::StrCat(spec.render().width(), "x", spec.render().height()));
@@ -99,6 +102,21 @@ class StatusCommand : public Command {
       PrintRow(out, "warning",
                absl::StrCat(job.mismatched_tiles(), " tiles were rendered twice with different pixels"));
     }
+    PrintQuarantined(job, out);
+  }
+
+  /// Each tile in a line of its own, and below it what went wrong, each time.
+  static void PrintQuarantined(const v1::Job& job, std::ostream& out) {
+    for (const v1::QuarantinedTile& tile : job.quarantined()) {
+      PrintRow(out, "missing", absl::StrCat("frame ", tile.frame(), ", tile ", tile.tile()));
+      for (const v1::TileTrouble& trouble : tile.evidence()) {
+        PrintRow(out, "",
+                 absl::StrCat(TimeText(trouble.time()), "  ", trouble.worker_name(), " (",
+                              trouble.worker_uuid(), "): ", trouble.reason()));
+      }
+    }
+    const uint64_t more = job.tiles_quarantined() - uint64_t(job.quarantined_size());
+    if (more > 0) PrintRow(out, "missing", absl::StrCat(more, " more tiles"));
   }
 
   std::string job_;

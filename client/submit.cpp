@@ -1,4 +1,7 @@
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
+#include <pwd.h>
+#include <unistd.h>
 
 #include <optional>
 
@@ -8,18 +11,27 @@
 #include "client/job_submission.h"
 #include "client/json_output.h"
 #include "client/options.h"
+#include "client/parse.h"
 #include "client/report.h"
 #include "client/server_option.h"
+#include "common/base/ids.h"
 #include "common/base/status_macros.h"
 #include "common/job/describe_settings.h"
 
 namespace shutterline::client {
 namespace {
 
+/// Who runs this program; a number where the system knows no name.
+std::string LoginName() {
+  const passwd* entry = getpwuid(geteuid());
+  return entry == nullptr ? absl::StrCat(geteuid()) : entry->pw_name;
+}
+
 class SubmitCommand : public Command {
  public:
   void Declare(CLI::App& app) override {
     AddJobOptions(app, options_);
+    DeclareWishes(app);
     server_.Declare(app);
     app.add_flag("--wait", wait_, "Follow the job to its end and fetch its frames into -o")->group("Output");
     AddJsonOption(app, json_);
@@ -34,6 +46,7 @@ class SubmitCommand : public Command {
 
   absl::Status Check() override {
     SL_RETURN_IF_ERROR(server_.Check());
+    if (wishes_.user().empty()) wishes_.set_user(LoginName());
     if (!wait_ && options_.output) {
       return absl::InvalidArgumentError("--output needs --wait; without it, use 'shutterline fetch'");
     }
@@ -60,7 +73,7 @@ class SubmitCommand : public Command {
     const SignalInterrupt signals(interrupt);
     SL_ASSIGN_OR_RETURN(const auto connection, server_.Connect(console, &interrupt, quiet_));
     Progress progress(ChooseStyle(console, quiet_), console.err);
-    SL_ASSIGN_OR_RETURN(const Submission submission, SubmitJob(*connection, options_, progress));
+    SL_ASSIGN_OR_RETURN(const Submission submission, SubmitJob(*connection, options_, wishes_, progress));
     const std::string& id = submission.job.id();
     if (!wait_) {
       if (json_) {
@@ -82,7 +95,39 @@ class SubmitCommand : public Command {
   }
 
  private:
+  void DeclareWishes(CLI::App& app) {
+    auto* priority =
+        AddValue(app, "--priority", "N", "0", "From -1000 to 1000; jobs of a higher one are served first",
+                 [this](const std::string& text) {
+                   SL_ASSIGN_OR_RETURN(const int64_t value, ParseWhole(text, -1000, 1000));
+                   wishes_.set_priority(int32_t(value));
+                   return absl::OkStatus();
+                 });
+    auto* user =
+        AddValue(app, "--user", "NAME", "who you are", "On whose account; users get equal shares of the farm",
+                 [this](const std::string& text) {
+                   if (text.empty() || text.size() > 128) {
+                     return absl::InvalidArgumentError("must have 1 to 128 bytes");
+                   }
+                   wishes_.set_user(text);
+                   return absl::OkStatus();
+                 });
+    auto* after = AddValue(app, "--after", "JOB[,JOB...]", "", "Begin when these jobs have succeeded",
+                           [this](const std::string& text) {
+                             for (const absl::string_view id : absl::StrSplit(text, ',')) {
+                               if (!IsUuid(id)) {
+                                 return absl::InvalidArgumentError(
+                                     "must be whole ids of jobs, as 'shutterline list' prints them");
+                               }
+                               wishes_.add_after(std::string(id));
+                             }
+                             return absl::OkStatus();
+                           });
+    for (CLI::Option* option : {priority, user, after}) option->group("Farm");
+  }
+
   JobOptions options_;
+  v1::SubmitRequest wishes_;  ///< What it asks for beside the specification.
   ServerOption server_;
   bool wait_ = false, json_ = false, quiet_ = false, stats_ = false;
 };

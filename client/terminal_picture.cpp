@@ -47,9 +47,9 @@ TerminalPicture::Colour TerminalPicture::CellColour(int x, int y) const {
 }
 
 std::vector<std::string> TerminalPicture::Lines() const {
-  std::vector<std::string> lines(size_t(rows()));
+  std::vector<std::string> lines;
   for (int row = 0; row < rows(); ++row) {
-    std::string& line = lines[size_t(row)];
+    std::string& line = lines.emplace_back();
     Colour upper, lower;
     for (int x = 0; x < columns_; ++x) {
       const Colour above = CellColour(x, 2 * row), below = CellColour(x, 2 * row + 1);

@@ -58,16 +58,14 @@ void Declare(CLI::App& app, Options& options) {
   app.add_option("--grace", options.grace_seconds, "Seconds that workers get to finish when told to stop")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-<<<<<<< HEAD
   app.add_option("--lease-ttl", options.lease_ttl_seconds,
                  "Seconds of a worker's silence after which its tiles go to others; at least two heartbeats")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--heartbeat", options.heartbeat_seconds, "Seconds between two signs of life of a worker")
       ->check(CLI::Range(0.05, 60.0))
-=======
+      ->capture_default_str();
   app.add_option("--log-format", options.log_format, "text, or json: one object a line")
->>>>>>> 79e30b8 (log: worker and lease on every line that knows them; --log-format json; docs: watching a farm)
       ->capture_default_str();
   app.add_option(
          "--durability", options.config.durability,

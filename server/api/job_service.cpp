@@ -36,9 +36,11 @@ grpc::ServerUnaryReactor* JobService::Submit(grpc::CallbackServerContext* contex
     v1::SubmitRequest wish;
     SL_RETURN_IF_ERROR(Decode(*request, wish));
     SL_ASSIGN_OR_RETURN(const JobSpec spec, convert::FromProto(wish.spec(), parts_.config.job_limits));
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(wish.request_id(), spec));
+    JobWishes wishes = WishesOf(wish);
+    // Who has shown who it is pays for its jobs; others are taken at their word.
     const Caller caller = parts_.authorizer.CallerOf(*context);
-    if (!caller.name.empty()) spdlog::info("job submitted job={} user={}", job.id, LogValue(caller.name));
+    if (!caller.name.empty()) wishes.user = caller.name;
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Submit(wish.request_id(), spec, wishes));
     *response = Encode(ToMessage(job, SpecDetail::kFull));
     return absl::OkStatus();
   });
@@ -48,8 +50,7 @@ grpc::ServerUnaryReactor* JobService::Get(grpc::CallbackServerContext* context, 
                                           v1::Job* response) {
   return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
     SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Get(request->job_id()));
-    *response = ToMessage(job, SpecDetail::kFull);
-    return absl::OkStatus();
+    return FillWhole(job, *response);
   });
 }
 
@@ -79,14 +80,35 @@ grpc::ServerUnaryReactor* JobService::List(grpc::CallbackServerContext* context,
 grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* context,
                                               const v1::ControlRequest* request, v1::Job* response) {
   return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
-    if (request->action() != v1::ControlRequest::ACTION_CANCEL) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("action: value ", int(request->action()), " is not known or not specified"));
-    }
-    SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm.Cancel(request->job_id()));
-    *response = ToMessage(job, SpecDetail::kFull);
-    return absl::OkStatus();
+    SL_ASSIGN_OR_RETURN(const JobSnapshot job, DoControl(*request));
+    return FillWhole(job, *response);
   });
+}
+
+absl::StatusOr<JobSnapshot> JobService::DoControl(const v1::ControlRequest& request) {
+  switch (request.action()) {
+    case v1::ControlRequest::ACTION_CANCEL:
+      return parts_.farm.Cancel(request.job_id());
+    case v1::ControlRequest::ACTION_PAUSE:
+      return parts_.farm.SetPaused(request.job_id(), true);
+    case v1::ControlRequest::ACTION_RESUME:
+      return parts_.farm.SetPaused(request.job_id(), false);
+    case v1::ControlRequest::ACTION_RETRY:
+      return parts_.farm.Retry(request.job_id());
+    case v1::ControlRequest::ACTION_SET_PRIORITY:
+      return parts_.farm.SetPriority(request.job_id(), request.priority());
+    default:
+      return absl::InvalidArgumentError(
+          absl::StrCat("action: value ", int(request.action()), " is not known or not specified"));
+  }
+}
+
+absl::Status JobService::FillWhole(const JobSnapshot& job, v1::Job& response) {
+  response = ToMessage(job, SpecDetail::kFull);
+  SL_ASSIGN_OR_RETURN(const std::vector<QuarantinedTile> quarantined,
+                      parts_.farm.QuarantinedTiles(job.id, kMaxToldQuarantined));
+  AddQuarantined(quarantined, response);
+  return absl::OkStatus();
 }
 
 grpc::ServerUnaryReactor* JobService::ListWorkers(grpc::CallbackServerContext* context,

@@ -56,6 +56,9 @@ class JobService final : public v1::Jobs::WithRawCallbackMethod_Submit<v1::Jobs:
                                                       const v1::TraceRequest* request) override;
 
  private:
+  absl::StatusOr<JobSnapshot> DoControl(const v1::ControlRequest& request);
+  /// The job with its specification and its quarantined tiles.
+  absl::Status FillWhole(const JobSnapshot& job, v1::Job& response);
   absl::Status DoList(const v1::ListRequest& request, v1::ListResponse& response);
 
   const Parts parts_;

@@ -27,6 +27,8 @@ v1::JobState ToMessage(JobState state) {
       return v1::JOB_STATE_FAILED;
     case JobState::kCancelled:
       return v1::JOB_STATE_CANCELLED;
+    case JobState::kPartial:
+      return v1::JOB_STATE_PARTIAL;
   }
   return v1::JOB_STATE_UNSPECIFIED;
 }
@@ -58,12 +60,14 @@ struct EventWriter {
     grant.set_job_id(event.job_id);
     grant.set_frame(event.frame);
     grant.mutable_tiles()->Add(event.tiles.begin(), event.tiles.end());
+    grant.set_adopts(event.adopts);
   }
   void operator()(const LeasesRevoked& event) const {
     message.mutable_revoke()->mutable_lease_ids()->Add(event.leases.begin(), event.leases.end());
   }
   void operator()(const JobForgotten& event) const { message.mutable_forget_job()->set_job_id(event.job_id); }
   void operator()(const DrainAsked&) const { message.mutable_drain(); }
+  void operator()(const AllAdopted&) const { message.mutable_adopted(); }
 };
 
 }  // namespace
@@ -88,7 +92,29 @@ v1::Job ToMessage(const JobSnapshot& job, SpecDetail detail) {
   if (HasEnded(job.state)) *message.mutable_ended() = convert::ToProto(job.ended);
   message.set_mismatched_tiles(uint64_t(job.mismatched_tiles));
   message.set_workers(uint32_t(job.workers));
+  message.set_paused(job.paused);
+  message.set_priority(job.wishes.priority);
+  message.set_user(job.wishes.user);
+  message.mutable_after()->Add(job.wishes.after.begin(), job.wishes.after.end());
+  message.mutable_waits_for()->Add(job.waits_for.begin(), job.waits_for.end());
+  message.set_tiles_quarantined(uint64_t(job.tiles_quarantined));
   return message;
+}
+
+void AddQuarantined(const std::vector<QuarantinedTile>& tiles, v1::Job& job) {
+  for (const QuarantinedTile& tile : tiles) {
+    v1::QuarantinedTile& message = *job.add_quarantined();
+    message.set_frame(tile.frame);
+    message.set_tile(tile.tile);
+    for (const TileTrouble& trouble : tile.evidence) {
+      v1::TileTrouble& evidence = *message.add_evidence();
+      evidence.set_worker_uuid(trouble.worker_uuid);
+      evidence.set_worker_name(trouble.worker_name);
+      evidence.set_worker_ended(trouble.worker_ended);
+      evidence.set_reason(trouble.reason);
+      *evidence.mutable_time() = convert::ToProto(trouble.when);
+    }
+  }
 }
 
 v1::FrameStatus ToMessage(const FrameSnapshot& frame) {
@@ -101,6 +127,7 @@ v1::FrameStatus ToMessage(const FrameSnapshot& frame) {
     *message.mutable_digest() = convert::ToProto(frame.digest);
     message.set_size_bytes(frame.size);
   }
+  message.set_tiles_missing(uint32_t(frame.tiles_missing));
   if (frame.stats.tiles > 0) *message.mutable_stats() = convert::ToProto(frame.stats);
   return message;
 }
@@ -169,6 +196,23 @@ v1::ResultAck::Outcome ToMessage(ReportOutcome outcome) {
       return v1::ResultAck::OUTCOME_REFUSED;
   }
   return v1::ResultAck::OUTCOME_UNSPECIFIED;
+}
+
+JobWishes WishesOf(const v1::SubmitRequest& request) {
+  return {request.priority(), request.user(), {request.after().begin(), request.after().end()}};
+}
+
+absl::StatusOr<std::vector<HeldLease>> HeldOf(const v1::Open& open) {
+  if (open.held_size() > kMaxHeartbeatLeases) {
+    return absl::InvalidArgumentError(absl::StrCat("open.held: has ", open.held_size(), " entries"));
+  }
+  std::vector<HeldLease> held;
+  for (const v1::HeldLease& lease : open.held()) {
+    if (lease.ticket() == 0) return absl::InvalidArgumentError("open.held: a ticket is 0");
+    held.push_back(
+        {lease.ticket(), lease.job_id(), lease.frame(), {lease.tiles().begin(), lease.tiles().end()}});
+  }
+  return held;
 }
 
 WorkerHello FromMessage(const v1::Hello& hello) {

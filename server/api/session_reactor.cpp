@@ -32,7 +32,9 @@ absl::Status SessionReactor::Handle(const v1::WorkerMessage& message) {
   }
   switch (message.what_case()) {
     case v1::WorkerMessage::kOpen: {
-      SL_ASSIGN_OR_RETURN(worker_, farm_.Attach(message.open().session_id(), message.open().epoch(), this));
+      SL_ASSIGN_OR_RETURN(const std::vector<HeldLease> held, HeldOf(message.open()));
+      SL_ASSIGN_OR_RETURN(worker_,
+                          farm_.Attach(message.open().session_id(), message.open().epoch(), held, this));
       return absl::OkStatus();
     }
     case v1::WorkerMessage::kCredit:

@@ -1,6 +1,7 @@
 #include "server/assemble/frame_assembler.h"
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 
 #include <bit>
 #include <cstring>
@@ -30,8 +31,9 @@ void Paste(absl::string_view pixels, const TileRect& rect, Image& image) {
 }
 
 absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                        const JobSpec& spec, const MatteNamesSource& names_source,
-                                        const std::string& path, Durability durability) {
+                                        const JobSpec& spec, const std::set<uint32_t>& missing,
+                                        const MatteNamesSource& names_source, const std::string& path,
+                                        Durability durability) {
   const TileGrid grid{spec.render.width, spec.render.height};
   std::vector<std::string> names, exact;
   for (OutputChannel& channel : OutputChannelsOf(spec.render)) {
@@ -42,6 +44,7 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
   Image image(grid.width, grid.height, std::move(names));
   AssembledFrame result;
   for (int tile = 0; tile < grid.Count(); ++tile) {
+    if (missing.contains(uint32_t(tile))) continue;
     const TileRect rect = grid.Rect(tile);
     const absl::StatusOr<std::string> pixels = journal.Read({key.first, key.second, uint32_t(tile)});
     if (!pixels.ok() && !absl::IsDataLoss(pixels.status()) && !absl::IsNotFound(pixels.status()))
@@ -60,6 +63,7 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
   metadata.strings["shutterline:frame"] = absl::StrCat(spec.frames.Frame(key.second));
   metadata.strings["shutterline:scene"] = spec.scene.root_name;
   metadata.strings["shutterline:settings"] = DescribeSettings(spec.render);
+  if (!missing.empty()) metadata.strings["shutterline:missing_tiles"] = absl::StrJoin(missing, ",");
   if (!spec.render.mattes.empty()) {
     SL_ASSIGN_OR_RETURN(const MatteNames matte_names, names_source());
     for (const Matte matte : spec.render.mattes) {
@@ -78,10 +82,11 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 }  // namespace
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const MatteNamesSource& names,
-                                             const std::string& path, Durability durability) {
+                                             const JobSpec& spec, const std::set<uint32_t>& missing,
+                                             const MatteNamesSource& names, const std::string& path,
+                                             Durability durability) {
   try {
-    return Assemble(journal, key, spec, names, path, durability);
+    return Assemble(journal, key, spec, missing, names, path, durability);
   } catch (const std::bad_alloc&) {
     // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
     return absl::FailedPreconditionError(absl::StrCat(

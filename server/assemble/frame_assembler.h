@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,13 @@ struct AssembledFrame {
 using MatteNamesSource = std::function<absl::StatusOr<MatteNames>()>;
 
 /// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and as durably
-/// as is asked. `names` is asked if the job has mattes. Equal tiles give equal bytes. RESOURCE_EXHAUSTED: the
-/// disk is full, for now; FAILED_PRECONDITION: this machine's memory does not hold the frame. Thread-safe for
-/// different frames.
+/// as is asked. Tiles of `missing` are left transparent, zero in every channel, and named in the header
+/// ("shutterline:missing_tiles", their numbers, a comma between two). `names` is asked if the job has mattes.
+/// Equal tiles give equal bytes. RESOURCE_EXHAUSTED: the disk is full, for now; FAILED_PRECONDITION: this
+/// machine's memory does not hold the frame. Thread-safe for different frames.
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const MatteNamesSource& names,
-                                             const std::string& path, Durability durability);
+                                             const JobSpec& spec, const std::set<uint32_t>& missing,
+                                             const MatteNamesSource& names, const std::string& path,
+                                             Durability durability);
 
 }  // namespace shutterline::server

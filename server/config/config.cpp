@@ -48,10 +48,13 @@ absl::Status Validate(const Config& c) {
   if (c.lease_ttl < 2 * c.heartbeat_interval)
     return refuse("lease_ttl", "must be at least two heartbeat intervals");
   if (c.stream_grace < absl::ZeroDuration()) return refuse("stream_grace", "must not be negative");
+  if (c.adoption_time < absl::ZeroDuration()) return refuse("adoption_time", "must not be negative");
+  if (c.speculate_after <= absl::ZeroDuration()) return refuse("speculate_after", "must be above 0");
   if (c.batch_time <= absl::ZeroDuration()) return refuse("batch_time", "must be above 0");
   if (c.commit_interval < absl::ZeroDuration()) return refuse("commit_interval", "must not be negative");
   if (c.commit_tiles < 1) return refuse("commit_tiles", "must be at least 1");
   if (c.max_tile_failures < 1) return refuse("max_tile_failures", "must be at least 1");
+  if (c.max_tile_deaths < 1) return refuse("max_tile_deaths", "must be at least 1");
   if (c.max_message_bytes < 1 << 20) return refuse("max_message_bytes", "must be at least 1 MiB");
   const StreamConfig& s = c.streams;
   if (s.first_message <= absl::ZeroDuration()) return refuse("streams.first_message", "must be above 0");

@@ -30,13 +30,17 @@ struct Config {
   /// Names under which browsers may ask for it, beside addresses and localhost.
   std::vector<std::string> http_names;
 
-  absl::Duration lease_ttl = absl::Seconds(15);            ///< Silence after which tiles are leased again.
-  absl::Duration heartbeat_interval = absl::Seconds(5);    ///< Asked of workers.
-  absl::Duration stream_grace = absl::Milliseconds(900);   ///< From a stream's end until its leases end.
-  absl::Duration batch_time = absl::Milliseconds(250);     ///< Thread time that a lease aims at.
-  absl::Duration commit_interval = absl::Milliseconds(5);  ///< Longest wait of a result for company.
-  int commit_tiles = 64;                                   ///< Results that are written without waiting.
-  int max_tile_failures = 3;                               ///< Of one tile, after which its job fails.
+  absl::Duration lease_ttl = absl::Seconds(15);           ///< Silence after which tiles are leased again.
+  absl::Duration heartbeat_interval = absl::Seconds(5);   ///< Asked of workers.
+  absl::Duration stream_grace = absl::Milliseconds(900);  ///< From a stream's end until its leases end.
+  /// How long a coordinator that starts waits for workers to come back with tiles that they are at.
+  absl::Duration adoption_time = absl::Seconds(10);
+  absl::Duration speculate_after = absl::Milliseconds(500);  ///< Tiles of less are not rendered twice.
+  absl::Duration batch_time = absl::Milliseconds(250);       ///< Thread time that a lease aims at.
+  absl::Duration commit_interval = absl::Milliseconds(5);    ///< Longest wait of a result for company.
+  int commit_tiles = 64;                                     ///< Results that are written without waiting.
+  int max_tile_failures = 3;  ///< Reported of one tile, after which it is quarantined.
+  int max_tile_deaths = 3;    ///< The same of workers that ended while they rendered it.
 
   /// What acknowledged jobs, tiles, blobs and frames outlive.
   Durability durability = Durability::kPower;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,6 +31,7 @@ struct LeaseGranted {
   std::string job_id;
   int frame = 0;  ///< The frame's number.
   std::vector<uint32_t> tiles;
+  LeaseId adopts = 0;  ///< Not 0: what the worker calls the lease that this one continues.
 };
 struct LeasesRevoked {
   std::vector<LeaseId> leases;
@@ -38,7 +40,9 @@ struct JobForgotten {
   std::string job_id;
 };
 struct DrainAsked {};
-using WorkerEvent = std::variant<JobAnnounced, LeaseGranted, LeasesRevoked, JobForgotten, DrainAsked>;
+struct AllAdopted {};  ///< Of what the worker said it holds.
+using WorkerEvent =
+    std::variant<JobAnnounced, LeaseGranted, LeasesRevoked, JobForgotten, DrainAsked, AllAdopted>;
 
 /// The stream to a worker. Called under the farm's mutex: must return at once and not call back.
 class WorkerSink {
@@ -50,6 +54,14 @@ class WorkerSink {
 };
 
 // --- From a worker -----------------------------------------------------------------------------------
+
+/// What a worker is at since an earlier session.
+struct HeldLease {
+  LeaseId ticket = 0;  ///< The worker's own number of it; not 0.
+  std::string job_id;
+  int frame = 0;  ///< The frame's number.
+  std::vector<uint32_t> tiles;
+};
 
 struct TileReport {
   std::string job_id;
@@ -73,9 +85,10 @@ struct FrameSnapshot {
   int frame = 0;  ///< The frame's number.
   FrameState state = FrameState::kQueued;
   int tiles_total = 0, tiles_done = 0;
-  Digest digest;      ///< Where finished.
-  uint64_t size = 0;  ///< Where finished: bytes.
-  RenderStats stats;  ///< Of the tiles that came since the coordinator's start, or of the finished frame.
+  Digest digest;          ///< Where finished.
+  uint64_t size = 0;      ///< Where finished: bytes.
+  RenderStats stats;      ///< Of the tiles that came since the coordinator's start, or of the finished frame.
+  int tiles_missing = 0;  ///< Quarantined.
 };
 
 struct JobSnapshot {
@@ -89,6 +102,10 @@ struct JobSnapshot {
   int64_t mismatched_tiles = 0;
   absl::Time submitted, ended;
   int workers = 0;
+  bool paused = false;
+  JobWishes wishes;
+  std::set<std::string> waits_for;  ///< Those of wishes.after that have not succeeded.
+  int64_t tiles_quarantined = 0;
 };
 
 struct JobChange {

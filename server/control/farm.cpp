@@ -32,7 +32,9 @@ SchedulerOptions OptionsOf(const Config& config) {
   options.lease_ttl = config.lease_ttl;
   options.stream_grace = config.stream_grace;
   options.batch_time = config.batch_time;
+  options.speculate_after = config.speculate_after;
   options.max_tile_failures = config.max_tile_failures;
+  options.max_tile_deaths = config.max_tile_deaths;
   return options;
 }
 
@@ -58,8 +60,12 @@ uint64_t Farm::NextSeq() {
   return ++last_seq_;
 }
 
+std::string Farm::FramePath(const std::string& job_id, int frame) const {
+  return absl::StrCat(parts_.frames_folder, "/", job_id, "/", frame, ".exr");
+}
+
 std::string Farm::FramePath(const LiveJob& job, int index) const {
-  return absl::StrCat(parts_.frames_folder, "/", job.id(), "/", job.spec()->frames.Frame(index), ".exr");
+  return FramePath(job.id(), job.spec()->frames.Frame(index));
 }
 
 void Farm::Notify(LiveJob& job) {
@@ -67,72 +73,12 @@ void Farm::Notify(LiveJob& job) {
   for (JobWatcher* watcher : job.watchers) watcher->OnChange();
 }
 
-absl::Status Farm::Resume() {
-  SL_ASSIGN_OR_RETURN(const std::vector<JobRecord> unfinished, parts_.store->Unfinished());
-  for (const JobRecord& record : unfinished) SL_RETURN_IF_ERROR(ResumeJob(record));
-  for (const TileJournal::FrameKey& frame : parts_.journal->Frames()) {
-    absl::MutexLock lock(&mutex_);
-    if (!by_key_.contains(frame.first)) parts_.journal->DropFrame(frame);
-  }
-  return absl::OkStatus();
-}
-
-absl::Status Farm::ResumeJob(const JobRecord& record) {
-  SL_ASSIGN_OR_RETURN(const std::vector<FinishedFrame> finished, parts_.store->FinishedFrames(record.key));
-  std::vector<int> complete;
-  std::shared_ptr<const BlobPins> blobs = PinBlobs(record.spec);
-  JobPtr job;
-  {
-    absl::MutexLock lock(&mutex_);
-    job = std::make_shared<LiveJob>(record, NextSeq());
-    job->blobs = std::move(blobs);
-    jobs_[job->id()] = by_key_[job->key()] = job;
-    const TileGrid grid = job->grid();
-    scheduler_.AddJob(job->key(), job->frame_count(), grid.Columns(), grid.Rows());
-    JobQueue& queue = *scheduler_.Find(job->key());
-    for (const FinishedFrame& frame : finished) {
-      const std::optional<int64_t> index = record.spec.frames.IndexOf(frame.frame);
-      if (!index) return absl::DataLossError(absl::StrCat("job ", record.id, " has no frame ", frame.frame));
-      const absl::StatusOr<File> file = File::OpenToRead(FramePath(*job, int(*index)));
-      const absl::StatusOr<uint64_t> size =
-          file.ok() ? file->Size() : absl::StatusOr<uint64_t>(file.status());
-      if (!size.ok() || *size != frame.size) {
-        spdlog::error("finished frame is missing and will be rendered again job={} frame={}", record.id,
-                      frame.frame);
-        SL_RETURN_IF_ERROR(parts_.store->RemoveFinishedFrame(record.key, frame.frame));
-        continue;
-      }
-      queue.MarkFrameDone(int(*index));
-      job->FrameFinished(int(*index), frame, NextSeq(), NextSeq());
-      parts_.journal->DropFrame({record.key, int(*index)});
-    }
-    for (const TileJournal::FrameKey& frame : parts_.journal->Frames()) {
-      if (frame.first != record.key) continue;
-      for (const uint32_t tile : parts_.journal->Tiles(frame)) {
-        if (!queue.Contains(frame.second, tile)) {
-          parts_.journal->Forget({frame.first, frame.second, tile});
-        } else if (queue.MarkDone(frame.second, tile)) {
-          // What it took went with the last coordinator: the journal holds pixels alone.
-          job->TileDone(frame.second, {}, NextSeq(), NextSeq());
-        }
-      }
-      if (queue.DoneInFrame(frame.second) == grid.Count()) complete.push_back(frame.second);
-    }
-    spdlog::info("job taken up again job={} frames_finished={} tiles_done={} tiles={}", record.id,
-                 job->snapshot().frames_finished, job->snapshot().tiles_done, job->snapshot().tiles_total);
-  }
-  for (const int frame : complete) WriteFrameSoon(job, frame);
-  bool all_finished = false;
-  {
-    absl::MutexLock lock(&mutex_);
-    all_finished = job->AllFinished();
-  }
-  // The coordinator ended between the last frame and the job's end.
-  return all_finished ? EndJob(job, JobState::kSucceeded, "") : absl::OkStatus();
-}
-
 absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& error) {
-  absl::MutexLock end_lock(&end_mutex_);
+  absl::MutexLock control_lock(&control_mutex_);
+  return EndJobLocked(job, state, error);
+}
+
+absl::Status Farm::EndJobLocked(const JobPtr& job, JobState state, const std::string& error) {
   {
     absl::MutexLock lock(&mutex_);
     if (HasEnded(job->state())) return absl::OkStatus();
@@ -153,10 +99,12 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
     }
     return stored;
   }
-  parts_.journal->DropJob(job->key());
+  // A retry of a partial job needs the tiles of its partial frames.
+  if (state != JobState::kPartial) parts_.journal->DropJob(job->key());
   absl::MutexLock lock(&mutex_);
   job->End(state, error, now, NextSeq());
   observer_.OnJobEnded(job->id(), state);
+  if (state == JobState::kSucceeded) StartDependents(job->id());
   for (auto& [id, session] : sessions_) {
     if (session.announced.erase(job->id()) > 0 && session.sink != nullptr)
       session.sink->Send(JobForgotten{job->id()});
@@ -168,21 +116,6 @@ absl::Status Farm::EndJob(const JobPtr& job, JobState state, const std::string& 
   spdlog::info("job ended job={} state={} error={}", job->id(), std::string(JobStateWord(state)),
                LogValue(error));
   return absl::OkStatus();
-}
-
-void Farm::EndPoisoned(const std::vector<PoisonedTile>& poisoned) {
-  for (const PoisonedTile& tile : poisoned) {
-    JobPtr job;
-    {
-      absl::MutexLock lock(&mutex_);
-      const auto found = by_key_.find(tile.job);
-      if (found == by_key_.end()) continue;
-      job = found->second;
-    }
-    const std::string error = absl::StrCat("frame ", job->spec()->frames.Frame(tile.frame), ", tile ",
-                                           tile.tile, ": ", tile.reason);
-    (void)EndJob(job, JobState::kFailed, error);  // Logged there.
-  }
 }
 
 void Farm::ForgetOldJobs() {
@@ -208,10 +141,13 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
   const int number = job->spec()->frames.Frame(index);
   FinishedFrame finished;
   finished.frame = number;
+  std::set<uint32_t> missing;
   {
     absl::MutexLock lock(&mutex_);
     if (job->ending) return;
     finished.stats = job->Frame(index).stats;  // All its tiles have come.
+    missing = job->Missing(index);
+    finished.missing = int(missing.size());
   }
   const absl::Duration began = parts_.clock->Monotonic();
   const std::string path = FramePath(*job, index);
@@ -219,54 +155,63 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
     const Durability durability = parts_.config.durability;
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/')), durability));
     const auto names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); };
-    SL_ASSIGN_OR_RETURN(AssembledFrame frame, AssembleFrame(*parts_.journal, {job->key(), index},
-                                                            *job->spec(), names, path, durability));
-    if (frame.lost_tiles.empty()) {
-      finished.digest = frame.digest;
-      finished.size = frame.size;
-      SL_RETURN_IF_ERROR(parts_.store->AddFinishedFrame(job->key(), finished));
-    }
-    return frame;
+    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, names, path, durability);
   };
   const absl::StatusOr<AssembledFrame> frame = write();
-  if (!frame.ok() && MayPass(frame.status())) {
+  if (frame.ok() && !frame->lost_tiles.empty()) {
+    absl::MutexLock lock(&mutex_);
+    spdlog::error("journal lost tiles, which are rendered again job={} frame={} tiles={}", job->id(), number,
+                  frame->lost_tiles.size());
+    for (const uint32_t tile : frame->lost_tiles) parts_.journal->Forget({job->key(), index, tile});
+    JobQueue* queue = scheduler_.Find(job->key());
+    if (job->ending || queue == nullptr) return;
+    queue->Reopen(index, frame->lost_tiles);
+    job->TilesLost(index, int(frame->lost_tiles.size()), NextSeq(), NextSeq());
+    Pump();
+    return;
+  }
+
+  absl::MutexLock control_lock(&control_mutex_);
+  {
+    absl::MutexLock lock(&mutex_);
+    // It has ended meanwhile, or a retry waits for what was missing: then the frame will be written again.
+    if (job->ending || job->Missing(index) != missing) return;
+  }
+  absl::Status stored = frame.status();
+  if (stored.ok()) {
+    finished.digest = frame->digest;
+    finished.size = frame->size;
+    stored = parts_.store->AddFinishedFrame(job->key(), finished);
+  }
+  if (!stored.ok() && MayPass(stored)) {
     const absl::Duration delay = RetryDelay(failures);
     spdlog::warn("frame could not be written, trying again job={} frame={} delay_ms={} reason={}", job->id(),
-                 number, absl::ToInt64Milliseconds(delay), LogValue(frame.status().message()));
+                 number, absl::ToInt64Milliseconds(delay), LogValue(stored.message()));
     later_.Add(delay, [this, job, index, failures] { WriteFrameSoon(job, index, failures + 1); });
     return;
   }
-  if (!frame.ok()) {
-    (void)EndJob(job, JobState::kFailed,
-                 absl::StrCat("write frame ", number, ": ", frame.status().message()));
+  if (!stored.ok()) {
+    // Logged there.
+    (void)EndJobLocked(job, JobState::kFailed, absl::StrCat("write frame ", number, ": ", stored.message()));
     return;
   }
   bool all_finished = false;
   {
     absl::MutexLock lock(&mutex_);
-    if (!frame->lost_tiles.empty()) {
-      spdlog::error("journal lost tiles, which are rendered again job={} frame={} tiles={}", job->id(),
-                    number, frame->lost_tiles.size());
-      for (const uint32_t tile : frame->lost_tiles) parts_.journal->Forget({job->key(), index, tile});
-      if (JobQueue* queue = scheduler_.Find(job->key())) {
-        queue->Reopen(index, frame->lost_tiles);
-        job->TilesLost(index, int(frame->lost_tiles.size()), NextSeq(), NextSeq());
-        Pump();
-      }
-      return;
-    }
     job->FrameFinished(index, finished, NextSeq(), NextSeq());
     all_finished = job->AllFinished();
     observer_.OnFrameWritten({job->id(), number, frame->size, began, parts_.clock->Monotonic()});
-    spdlog::info("frame finished job={} frame={} bytes={}", job->id(), number, frame->size);
+    spdlog::info("frame finished job={} frame={} bytes={} missing={}", job->id(), number, frame->size,
+                 missing.size());
   }
-  parts_.journal->DropFrame({job->key(), index});
-  if (all_finished) (void)EndJob(job, JobState::kSucceeded, "");  // Logged there.
+  if (missing.empty()) parts_.journal->DropFrame({job->key(), index});
+  if (all_finished) (void)EndFinishedJob(job);  // Logged there.
 }
 
 void Farm::Tick() {
   for (const std::function<void()>& task : later_.TakeDue()) task();
   TileScheduler::Expired expired;
+  std::map<std::string, bool> notes;
   {
     absl::MutexLock lock(&mutex_);
     expired = scheduler_.Expire();
@@ -287,9 +232,20 @@ void Farm::Tick() {
     for (const auto& [id, job] : jobs_) {
       if (job->dirty) Notify(*job);
     }
+    if (!awaited_.empty() && now >= await_until_) EndAdoption();
     Pump();
+    Speculate();
+    for (std::vector<Quarantined>* more : {&buried_, &unstored_}) {
+      expired.quarantined.insert(expired.quarantined.end(), more->begin(), more->end());
+      more->clear();
+    }
+    notes = std::exchange(worker_notes_, {});
   }
-  EndPoisoned(expired.poisoned);
+  Quarantine(expired.quarantined);
+  if (notes.empty()) return;
+  const absl::Status noted = parts_.store->NoteWorkers(notes);
+  // The next coordinator will not wait for some, or wait for some in vain.
+  if (!noted.ok()) spdlog::warn("workers could not be noted reason={}", LogValue(noted.message()));
 }
 
 }  // namespace shutterline::server

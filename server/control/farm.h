@@ -12,6 +12,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,12 +60,14 @@ class Farm {
   /// Takes up the jobs that had not ended when the last coordinator did. To be called once, at first.
   absl::Status Resume();
 
-  // --- Clients (farm_clients.cpp). Submit, Cancel and the first call for an ended job use the disk. ----
-  absl::StatusOr<JobSnapshot> Submit(const std::string& request_id, const JobSpec& spec);
+  // --- Clients (farm_clients.cpp). Submit and the first call for an ended job use the disk. ------------
+  absl::StatusOr<JobSnapshot> Submit(const std::string& request_id, const JobSpec& spec,
+                                     const JobWishes& wishes);
   absl::StatusOr<JobSnapshot> Get(const std::string& job_id);
   /// Up to `limit` jobs with smaller keys than `before`, latest first.
   absl::StatusOr<std::vector<JobSnapshot>> List(uint64_t before, int limit);
-  absl::StatusOr<JobSnapshot> Cancel(const std::string& job_id);
+  /// The job's quarantined tiles, by frame and tile: up to `limit`.
+  absl::StatusOr<std::vector<QuarantinedTile>> QuarantinedTiles(const std::string& job_id, size_t limit);
   /// The finished frame and its file.
   absl::StatusOr<std::pair<FrameSnapshot, std::string>> FindFrame(const std::string& job_id, int frame);
   std::vector<WorkerSnapshot> Workers();
@@ -92,11 +95,21 @@ class Farm {
   FarmObserver& observer() { return observer_; }
   const Clock& clock() const { return *parts_.clock; }
 
+  // --- Control (farm_control.cpp). All use the disk. Each is OK where there is nothing to change. --------
+  absl::StatusOr<JobSnapshot> Cancel(const std::string& job_id);
+  absl::StatusOr<JobSnapshot> SetPaused(const std::string& job_id, bool paused);
+  absl::StatusOr<JobSnapshot> SetPriority(const std::string& job_id, int priority);
+  /// Tries again what is missing of a job that has not succeeded.
+  absl::StatusOr<JobSnapshot> Retry(const std::string& job_id);
+
   // --- Workers (farm_workers.cpp). None uses the disk. --------------------------------------------------
   uint64_t epoch() const { return parts_.epoch; }
   absl::StatusOr<WorkerEntry> Register(const WorkerHello& hello);
-  /// Opens the session's stream; one that is open is closed. ABORTED where epoch or session are not current.
-  absl::StatusOr<WorkerId> Attach(const std::string& session_id, uint64_t epoch, WorkerSink* sink);
+  /// Opens the session's stream; one that is open is closed. Of `held`, what the worker is at since an
+  /// earlier session, it is granted again what nobody else has got. ABORTED where epoch or session are not
+  /// current.
+  absl::StatusOr<WorkerId> Attach(const std::string& session_id, uint64_t epoch,
+                                  const std::vector<HeldLease>& held, WorkerSink* sink);
   /// The stream has ended. `orderly`: the worker closed it, so what it holds can be leased again at once.
   void Detach(WorkerId worker, WorkerSink* sink, bool orderly);
   void AddCredit(WorkerId worker, int64_t leases);
@@ -140,15 +153,42 @@ class Farm {
   JobSnapshot Snapshot(const LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckBlobs(const JobSpec& spec);
   std::shared_ptr<const BlobPins> PinBlobs(const JobSpec& spec);
-  absl::Status ResumeJob(const JobRecord& record);
+  absl::Status CheckWishes(const JobWishes& wishes) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// What the disk knows of a job that is to be taken up (farm_resume.cpp).
+  struct StoredProgress {
+    std::vector<FinishedFrame> finished;  ///< Whose files are there.
+    std::vector<QuarantinedTile> quarantined;
+    std::vector<std::string> waits_for;
+    std::shared_ptr<const BlobPins> blobs;
+  };
+  absl::StatusOr<StoredProgress> ReadProgress(const JobRecord& record);
+  /// Enters a job that has not ended; returns it and the frames that can be written.
+  std::pair<JobPtr, std::vector<int>> TakeUp(const JobRecord& record, const StoredProgress& progress)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Both of these, then writes what can be written.
+  absl::Status ResumeJob(const JobRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(control_mutex_);
   void ForgetOldJobs() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Notify(LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   /// Ends a job: durable, then visible. Not under the mutex.
   absl::Status EndJob(const JobPtr& job, JobState state, const std::string& error)
-      ABSL_LOCKS_EXCLUDED(mutex_);
-  void EndPoisoned(const std::vector<PoisonedTile>& poisoned) ABSL_LOCKS_EXCLUDED(mutex_);
+      ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
+  absl::Status EndJobLocked(const JobPtr& job, JobState state, const std::string& error)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(control_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends a job all of whose frames are finished.
+  absl::Status EndFinishedJob(const JobPtr& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(control_mutex_);
+  /// Hands a job to the scheduler.
+  void Schedule(LiveJob& job, const std::vector<std::string>& waits_for)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Jobs that waited for this one alone may begin.
+  void StartDependents(const std::string& job_id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  /// What the scheduler has quarantined: durable, then visible (farm_quarantine.cpp). Not under the mutex.
+  void Quarantine(const std::vector<Quarantined>& tiles) ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
+  void QuarantineOne(const Quarantined& tile) ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
+
+  std::string FramePath(const std::string& job_id, int frame) const;  ///< The frame's number.
   std::string FramePath(const LiveJob& job, int index) const;
   /// `failures`: how often it has been tried in vain. A frame for which the disk has no room, for now, is
   /// tried again later; its tiles stay in the journal meanwhile.
@@ -157,6 +197,16 @@ class Farm {
 
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool GrantOne(WorkerEntry& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SendLease(WorkerEntry& worker, const Lease& lease, LeaseId adopts)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Has stragglers rendered twice by workers with credit, if nothing is queued.
+  void Speculate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // farm_adoption.cpp
+  void Adopt(WorkerEntry& worker, const std::vector<HeldLease>& held) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Jobs that were taken up wait for workers that were connected when the last coordinator ended.
+  absl::Status AwaitWorkers() ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndAdoption() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteWorker(const std::string& uuid) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Revoke(const std::vector<EndedLease>& ended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The worker's UUID for a log, "gone" where it is not registered any more.
   std::string WorkerName(WorkerId worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -169,8 +219,8 @@ class Farm {
 
   const Parts parts_;
   FarmObserver& observer_;  ///< Somebody who hears nothing, where nobody else was given.
-  LaterTasks later_;                                    ///< What the disk refused; Tick tries it again.
-  absl::Mutex end_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  ///< Serialises EndJob.
+  LaterTasks later_;  ///< What the disk refused; Tick tries it again.
+  absl::Mutex control_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  ///< Held while a job's stored state changes.
   absl::Mutex mutex_;
   TileScheduler scheduler_ ABSL_GUARDED_BY(mutex_);
   WorkerRegistry registry_ ABSL_GUARDED_BY(mutex_);
@@ -178,7 +228,14 @@ class Farm {
   std::map<JobKey, JobPtr> by_key_ ABSL_GUARDED_BY(mutex_);
   std::deque<std::string> ended_ ABSL_GUARDED_BY(mutex_);  ///< In memory, longest ended first.
   std::map<WorkerId, Session> sessions_ ABSL_GUARDED_BY(mutex_);
-  std::set<WorkerId> wanting_ ABSL_GUARDED_BY(mutex_);  ///< Attached workers with credit.
+  std::set<WorkerId> wanting_ ABSL_GUARDED_BY(mutex_);     ///< Attached workers with credit.
+  std::set<std::string> awaited_ ABSL_GUARDED_BY(mutex_);  ///< Workers that may come back with leases.
+  absl::Duration await_until_ ABSL_GUARDED_BY(mutex_);
+  /// Workers that came (true) or went, not stored yet.
+  std::map<std::string, bool> worker_notes_ ABSL_GUARDED_BY(mutex_);
+  std::vector<Quarantined> buried_
+      ABSL_GUARDED_BY(mutex_);  ///< What was quarantined when workers started anew.
+  std::vector<Quarantined> unstored_ ABSL_GUARDED_BY(mutex_);  ///< Quarantined, but the disk refused.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t last_seq_ ABSL_GUARDED_BY(mutex_);
 };

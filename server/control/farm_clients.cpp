@@ -3,6 +3,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
+#include <set>
+
 #include "common/base/ids.h"
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
@@ -15,6 +17,11 @@ constexpr size_t kMaxRequestIdBytes = 128;
 
 absl::Status NoSuchJob(absl::string_view id) {
   return absl::NotFoundError(absl::StrCat("there is no job '", absl::CHexEscape(id.substr(0, 80)), "'"));
+}
+
+bool SameBody(const JobRecord& job, const JobSpec& spec, const JobWishes& wishes) {
+  // The priority may have been changed since.
+  return job.spec == spec && job.wishes.user == wishes.user && job.wishes.after == wishes.after;
 }
 
 absl::Status OtherBody(const JobRecord& job) {
@@ -31,6 +38,8 @@ Farm::JobPtr Farm::FindLive(const std::string& job_id) {
 
 absl::StatusOr<Farm::JobPtr> Farm::Load(const JobRecord& record) {
   SL_ASSIGN_OR_RETURN(const std::vector<FinishedFrame> finished, parts_.store->FinishedFrames(record.key));
+  SL_ASSIGN_OR_RETURN(const std::vector<QuarantinedTile> quarantined,
+                      parts_.store->QuarantinedTiles(record.key));
   absl::MutexLock lock(&mutex_);
   if (JobPtr job = FindLive(record.id)) return job;
   // Its end was stored between two looks into memory, or it was forgotten; it cannot be unfinished, for those
@@ -38,6 +47,11 @@ absl::StatusOr<Farm::JobPtr> Farm::Load(const JobRecord& record) {
   if (!HasEnded(record.state))
     return absl::UnavailableError(absl::StrCat("job ", record.id, " is being accepted"));
   auto job = std::make_shared<LiveJob>(record, NextSeq());
+  for (const QuarantinedTile& tile : quarantined) {
+    if (const std::optional<int64_t> index = record.spec.frames.IndexOf(tile.frame)) {
+      job->TileQuarantined(int(*index), tile, NextSeq(), NextSeq());
+    }
+  }
   for (const FinishedFrame& frame : finished) {
     if (const std::optional<int64_t> index = record.spec.frames.IndexOf(frame.frame)) {
       job->FrameFinished(int(*index), frame, NextSeq(), NextSeq());
@@ -92,32 +106,66 @@ std::shared_ptr<const BlobPins> Farm::PinBlobs(const JobSpec& spec) {
   return parts_.assets->Pin(std::move(digests));
 }
 
-absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const JobSpec& spec) {
+absl::Status Farm::CheckWishes(const JobWishes& wishes) {
+  if (wishes.priority < -kMaxPriority || wishes.priority > kMaxPriority) {
+    return absl::InvalidArgumentError(absl::StrCat("priority: is ", wishes.priority, ", but must be ",
+                                                   -kMaxPriority, " to ", kMaxPriority));
+  }
+  if (wishes.user.size() > kMaxUserBytes || wishes.user.find('\0') != std::string::npos) {
+    return absl::InvalidArgumentError(absl::StrCat("user: has ", wishes.user.size(),
+                                                   " bytes, but must have at most ", kMaxUserBytes,
+                                                   ", none of them 0"));
+  }
+  if (wishes.after.size() > kMaxAfter) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("after: names ", wishes.after.size(), " jobs, but may name at most ", kMaxAfter));
+  }
+  std::set<std::string> named;
+  for (const std::string& id : wishes.after) {
+    SL_RETURN_IF_ERROR(Annotate(Find(id).status(), "after"));
+    if (!named.insert(id).second) {
+      return absl::InvalidArgumentError(absl::StrCat("after: names job ", id, " twice"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const JobSpec& spec,
+                                         const JobWishes& wishes) {
   if (request_id.empty() || request_id.size() > kMaxRequestIdBytes) {
     return absl::InvalidArgumentError(absl::StrCat("request_id: has ", request_id.size(),
                                                    " bytes, but must have 1 to ", kMaxRequestIdBytes));
   }
   const absl::StatusOr<JobRecord> before = parts_.store->FindRequest(request_id);
   if (before.ok()) {
-    if (before->spec != spec) return OtherBody(*before);
+    if (!SameBody(*before, spec, wishes)) return OtherBody(*before);
     return Get(before->id);
   }
   if (!absl::IsNotFound(before.status())) return before.status();
 
+  SL_RETURN_IF_ERROR(CheckWishes(wishes));
   std::shared_ptr<const BlobPins> blobs = PinBlobs(spec);  // First: what is seen stays.
   SL_RETURN_IF_ERROR(CheckBlobs(spec));
   SL_RETURN_IF_ERROR(parts_.check_scene(spec, *parts_.assets));
+
+  // While this is held no job ends.
+  absl::MutexLock control_lock(&control_mutex_);
+  std::vector<std::string> waits_for;
+  for (const std::string& id : wishes.after) {
+    SL_ASSIGN_OR_RETURN(const JobPtr other, Find(id));
+    absl::MutexLock lock(&mutex_);
+    if (other->state() != JobState::kSucceeded) waits_for.push_back(id);
+  }
   SL_ASSIGN_OR_RETURN(const JobStore::Created created,
-                      parts_.store->Create(request_id, spec, parts_.clock->Wall()));
-  if (!created.is_new && created.job.spec != spec) return OtherBody(created.job);
+                      parts_.store->Create(request_id, spec, wishes, parts_.clock->Wall()));
+  if (!created.is_new && !SameBody(created.job, spec, wishes)) return OtherBody(created.job);
 
   absl::MutexLock lock(&mutex_);
   if (const JobPtr job = FindLive(created.job.id)) return Snapshot(*job);
   const auto job = std::make_shared<LiveJob>(created.job, NextSeq());
   job->blobs = std::move(blobs);
   jobs_[job->id()] = by_key_[job->key()] = job;
-  const TileGrid grid = job->grid();
-  scheduler_.AddJob(job->key(), job->frame_count(), grid.Columns(), grid.Rows());
+  Schedule(*job, waits_for);
   observer_.OnJobAccepted(job->id());
   spdlog::info("job accepted job={} name={} frames={} tiles={} workers={}", job->id(), LogValue(spec.name),
                job->frame_count(), job->snapshot().tiles_total, sessions_.size());
@@ -142,13 +190,6 @@ absl::StatusOr<std::vector<JobSnapshot>> Farm::List(uint64_t before, int limit) 
     jobs.push_back(Snapshot(**job));
   }
   return jobs;
-}
-
-absl::StatusOr<JobSnapshot> Farm::Cancel(const std::string& job_id) {
-  SL_ASSIGN_OR_RETURN(const JobPtr job, Find(job_id));
-  SL_RETURN_IF_ERROR(EndJob(job, JobState::kCancelled, ""));
-  absl::MutexLock lock(&mutex_);
-  return Snapshot(*job);
 }
 
 absl::StatusOr<std::pair<FrameSnapshot, std::string>> Farm::FindFrame(const std::string& job_id, int frame) {
@@ -181,9 +222,10 @@ std::vector<WorkerSnapshot> Farm::Workers() {
 absl::Status Farm::AddWatcher(const std::string& job_id, JobWatcher* watcher) {
   SL_ASSIGN_OR_RETURN(const JobPtr job, Find(job_id));
   absl::MutexLock lock(&mutex_);
-  // It may have been forgotten since.
-  jobs_[job->id()] = by_key_[job->key()] = job;
-  job->watchers.insert(watcher);
+  // It may have been forgotten since, or taken up again.
+  JobPtr& live = jobs_[job->id()];
+  if (live == nullptr) live = by_key_[job->key()] = job;
+  live->watchers.insert(watcher);
   return absl::OkStatus();
 }
 

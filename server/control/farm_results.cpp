@@ -40,7 +40,7 @@ std::vector<Farm::Destination> Farm::Locate(const std::vector<const TileReport*>
 }
 
 void Farm::Apply(const std::vector<Result>& results) {
-  std::vector<PoisonedTile> poisoned;
+  std::vector<Quarantined> quarantined;
   {
     absl::MutexLock lock(&mutex_);
     for (const Result& result : results) {
@@ -61,8 +61,9 @@ void Farm::Apply(const std::vector<Result>& results) {
         spdlog::warn("tile failed job={} frame={} tile={} worker={} reason={}", job->id(),
                      result.report->frame, at.tile, WorkerName(result.worker),
                      LogValue(result.report->failure));
-        if (auto poison = scheduler_.Fail(at.job, at.frame, at.tile, result.worker, result.report->failure)) {
-          poisoned.push_back(*std::move(poison));
+        if (auto hopeless =
+                scheduler_.Fail(at.job, at.frame, at.tile, result.worker, result.report->failure)) {
+          quarantined.push_back(*std::move(hopeless));
         }
         continue;
       }
@@ -74,10 +75,12 @@ void Farm::Apply(const std::vector<Result>& results) {
             Sha256(result.report->pixels).ToHex());
         job->CountMismatch(NextSeq());
       }
-      if (result.stored != TileJournal::Outcome::kStaged) continue;
+      // Also of a duplicate: were its tile not done, for whatever reason, nobody else would ever finish it.
       if (!scheduler_.Complete(at.job, at.frame, at.tile, result.worker, result.report->render_time)) {
-        // Its frame was finished while it was on its way.
-        if (job->Frame(at.frame).state == FrameState::kFinished) parts_.journal->Forget(at);
+        // Its frame was finished while it was on its way, or the tile was given up.
+        const JobQueue* queue = scheduler_.Find(at.job);
+        const bool given_up = queue != nullptr && queue->IsQuarantined(at.frame, at.tile);
+        if (given_up || job->Frame(at.frame).state == FrameState::kFinished) parts_.journal->Forget(at);
         continue;
       }
       if (worker != nullptr) ++worker->tiles_done;
@@ -85,12 +88,14 @@ void Farm::Apply(const std::vector<Result>& results) {
       observer_.OnTileStored({job->id(), result.report->frame, at.tile, result.worker,
                               result.report->received, parts_.clock->Monotonic(),
                               result.report->render_time});
-      if (scheduler_.Find(at.job)->DoneInFrame(at.frame) == job->grid().Count())
-        WriteFrameSoon(job, at.frame);
+      if (job->Settled(at.frame)) WriteFrameSoon(job, at.frame);
     }
+    const std::vector<EndedLease> late = scheduler_.TakeRevoked();
+    observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(late.size()));
+    Revoke(late);
     Pump();
   }
-  EndPoisoned(poisoned);
+  Quarantine(quarantined);
 }
 
 }  // namespace shutterline::server

@@ -30,6 +30,8 @@ absl::StatusOr<WorkerEntry> Farm::Register(const WorkerHello& hello) {
   spdlog::info("worker registered worker={} name={} slots={} isa={} session={}", LogValue(hello.uuid),
                LogValue(hello.name), hello.slots, LogValue(hello.isa), (*entry)->session_id);
   for (const WorkerId id : registry_.Predecessors(**entry)) {
+    // Its process is gone, whatever it was at.
+    for (Quarantined& tile : scheduler_.BuryWorker(id)) buried_.push_back(std::move(tile));
     DropWorker(id, absl::AbortedError("the worker has started anew"));
   }
   Pump();
@@ -50,7 +52,8 @@ absl::StatusOr<WorkerId> Farm::FindSession(const std::string& session_id, uint64
   return entry->id;
 }
 
-absl::StatusOr<WorkerId> Farm::Attach(const std::string& session_id, uint64_t epoch, WorkerSink* sink) {
+absl::StatusOr<WorkerId> Farm::Attach(const std::string& session_id, uint64_t epoch,
+                                      const std::vector<HeldLease>& held, WorkerSink* sink) {
   SL_ASSIGN_OR_RETURN(const WorkerId id, FindSession(session_id, epoch));
   absl::MutexLock lock(&mutex_);
   WorkerEntry* entry = registry_.Find(id);
@@ -62,7 +65,8 @@ absl::StatusOr<WorkerId> Farm::Attach(const std::string& session_id, uint64_t ep
   session.sink = sink;
   session.announced.clear();
   if (is_new) {
-    scheduler_.AddWorker(id, entry->hello.uuid, int(entry->hello.slots));
+    scheduler_.AddWorker(id, entry->hello.uuid, int(entry->hello.slots), entry->hello.boot_id,
+                         entry->hello.name);
   } else {
     scheduler_.RegainWorker(id);
   }
@@ -70,7 +74,11 @@ absl::StatusOr<WorkerId> Farm::Attach(const std::string& session_id, uint64_t ep
   entry->credit = 0;
   wanting_.erase(id);
   entry->last_heard = parts_.clock->Monotonic();
+  Adopt(*entry, held);
+  NoteWorker(entry->hello.uuid);
+  if (awaited_.empty()) EndAdoption();
   if (draining_) sink->Send(DrainAsked{});
+  Pump();
   return id;
 }
 
@@ -107,7 +115,11 @@ void Farm::DropWorker(WorkerId id, const absl::Status& status) {
   wanting_.erase(id);
   // A worker that left in order had nothing left, or gave it back so; one that started anew lost it.
   observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kReturned, int64_t(scheduler_.RemoveWorker(id).size()));
+  const WorkerEntry* entry = registry_.Find(id);
+  if (entry == nullptr) return;
+  const std::string uuid = entry->hello.uuid;
   registry_.Remove(id);
+  NoteWorker(uuid);
 }
 
 void Farm::AddCredit(WorkerId id, int64_t leases) {
@@ -173,19 +185,41 @@ bool Farm::GrantOne(WorkerEntry& worker) {
   if (session == sessions_.end() || session->second.sink == nullptr) return false;
   const std::optional<Lease> lease = scheduler_.Grant(worker.id);
   if (!lease) return false;
-  const JobPtr& job = by_key_.at(lease->job);
-  if (session->second.announced.insert(job->id()).second) {
-    session->second.sink->Send(JobAnnounced{job->id(), job->spec()});
-  }
-  session->second.sink->Send(
-      LeaseGranted{lease->id, job->id(), job->spec()->frames.Frame(lease->frame), lease->tiles});
-  observer_.OnGranted({lease->id, worker.id, worker.hello.uuid, worker.hello.name, job->id(),
-                       job->spec()->frames.Frame(lease->frame), lease->tiles, parts_.clock->Monotonic()});
-  spdlog::debug("lease granted lease={} worker={} job={} frame={} tiles={}", lease->id,
-                LogValue(worker.hello.uuid), job->id(), job->spec()->frames.Frame(lease->frame),
-                lease->tiles.size());
+  SendLease(worker, *lease, 0);
   if (--worker.credit == 0) wanting_.erase(worker.id);
   return true;
+}
+
+void Farm::SendLease(WorkerEntry& worker, const Lease& lease, LeaseId adopts) {
+  Session& session = sessions_.at(worker.id);
+  const JobPtr& job = by_key_.at(lease.job);
+  if (session.announced.insert(job->id()).second) session.sink->Send(JobAnnounced{job->id(), job->spec()});
+  session.sink->Send(
+      LeaseGranted{lease.id, job->id(), job->spec()->frames.Frame(lease.frame), lease.tiles, adopts});
+  observer_.OnGranted({lease.id, worker.id, worker.hello.uuid, worker.hello.name, job->id(),
+                       job->spec()->frames.Frame(lease.frame), lease.tiles, parts_.clock->Monotonic()});
+  spdlog::debug("lease granted lease={} worker={} job={} frame={} tiles={}", lease.id,
+                LogValue(worker.hello.uuid), job->id(), job->spec()->frames.Frame(lease.frame),
+                lease.tiles.size());
+}
+
+void Farm::Speculate() {
+  if (draining_ || wanting_.empty() || scheduler_.QueuedTiles() > 0) return;
+  std::vector<WorkerId> idle;
+  for (const WorkerId id : wanting_) {
+    const WorkerEntry* worker = registry_.Find(id);
+    const auto session = sessions_.find(id);
+    const bool reachable = session != sessions_.end() && session->second.sink != nullptr;
+    if (worker != nullptr && worker->credit > 0 && !worker->draining && reachable) idle.push_back(id);
+  }
+  for (const Lease& copy : scheduler_.Speculate(idle)) {
+    WorkerEntry& worker = *registry_.Find(copy.worker);
+    SendLease(worker, copy, 0);
+    if (--worker.credit == 0) wanting_.erase(worker.id);
+    const LiveJob& job = *by_key_.at(copy.job);
+    spdlog::info("tiles are late and are rendered twice job={} frame={} tiles={} worker={}", job.id(),
+                 job.spec()->frames.Frame(copy.frame), copy.tiles.size(), LogValue(worker.hello.uuid));
+  }
 }
 
 void Farm::Pump() {

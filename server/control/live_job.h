@@ -1,10 +1,14 @@
 #pragma once
 
+#include <absl/functional/function_ref.h>
+
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/job/tile.h"
@@ -32,6 +36,12 @@ class LiveJob {
   FrameSnapshot Frame(int index) const;
   uint64_t seq() const { return seq_; }  ///< Of the job's own last change.
   bool AllFinished() const { return snapshot_.frames_finished == snapshot_.frames_total; }
+  /// Every tile of the frame is done or quarantined.
+  bool Settled(int index) const;
+  /// Tiles of the frame that are quarantined.
+  std::set<uint32_t> Missing(int index) const;
+  /// By frame and tile.
+  const std::map<std::pair<int, uint32_t>, QuarantinedTile>& quarantined() const { return quarantined_; }
 
   /// Each is a change with its number; numbers grow.
   /// `stats`: what the tile took; zeros where that is not known.
@@ -41,6 +51,14 @@ class LiveJob {
   /// `frame` is what the store has of it, statistics included.
   void FrameFinished(int index, const FinishedFrame& frame, uint64_t seq, uint64_t frame_seq);
   void CountMismatch(uint64_t seq);
+  void TileQuarantined(int index, const QuarantinedTile& tile, uint64_t seq, uint64_t frame_seq);
+  /// No tile is quarantined any more; frames that lacked tiles are not finished. `next_seq` numbers changes.
+  void ReleaseQuarantined(absl::FunctionRef<uint64_t()> next_seq);
+  void SetPaused(bool paused, uint64_t seq);
+  void SetPriority(int priority, uint64_t seq);
+  void WaitFor(const std::string& job_id, uint64_t seq);
+  /// False where it did not wait for that job.
+  bool WaitsNoMoreFor(const std::string& job_id, uint64_t seq);
   void End(JobState state, const std::string& error, absl::Time now, uint64_t seq);
 
   /// The first change after `seq`, as things are now.
@@ -59,6 +77,7 @@ class LiveJob {
     Digest digest;
     uint64_t size = 0;
     RenderStats stats;
+    int missing = 0;
   };
   static constexpr int kJobItself = -1;
 
@@ -66,6 +85,7 @@ class LiveJob {
 
   JobSnapshot snapshot_;
   std::vector<FrameProgress> frames_;
+  std::map<std::pair<int, uint32_t>, QuarantinedTile> quarantined_;
   uint64_t seq_ = 0;
   std::map<uint64_t, int> changes_;  ///< What changed last at this number: a frame, or the job itself.
 };

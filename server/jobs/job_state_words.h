@@ -8,8 +8,8 @@
 
 namespace shutterline::server {
 
-inline constexpr std::array kJobStates = {JobState::kQueued, JobState::kRunning, JobState::kSucceeded,
-                                          JobState::kFailed, JobState::kCancelled};
+inline constexpr std::array kJobStates = {JobState::kQueued, JobState::kRunning,   JobState::kSucceeded,
+                                          JobState::kFailed, JobState::kCancelled, JobState::kPartial};
 
 /// The word for a state in logs, metrics and JSON; never renamed.
 inline absl::string_view JobStateWord(JobState state) {
@@ -24,6 +24,8 @@ inline absl::string_view JobStateWord(JobState state) {
       return "failed";
     case JobState::kCancelled:
       return "cancelled";
+    case JobState::kPartial:
+      return "partial";
   }
   return "unknown";
 }

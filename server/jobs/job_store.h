@@ -5,21 +5,36 @@
 #include <absl/time/time.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/asset/digest.h"
 #include "common/job/job_spec.h"
 #include "common/job/render_stats.h"
+#include "server/schedule/tile_trouble.h"
 
 namespace shutterline::server {
 
 /// Numbers are stored: never change one.
-enum class JobState { kQueued = 1, kRunning = 2, kSucceeded = 3, kFailed = 4, kCancelled = 5 };
+enum class JobState { kQueued = 1, kRunning = 2, kSucceeded = 3, kFailed = 4, kCancelled = 5, kPartial = 6 };
 
 inline bool HasEnded(JobState state) {
-  return state == JobState::kSucceeded || state == JobState::kFailed || state == JobState::kCancelled;
+  return state != JobState::kQueued && state != JobState::kRunning;
 }
+
+inline constexpr int kMaxPriority = 1000;
+inline constexpr size_t kMaxUserBytes = 128;
+inline constexpr size_t kMaxAfter = 64;
+
+/// What a job asks of the farm beside its pictures.
+struct JobWishes {
+  int priority = 0;  ///< -kMaxPriority to kMaxPriority: higher is served first.
+  std::string user;  ///< On whose account; at most kMaxUserBytes.
+  /// Ids of jobs that must succeed first, each once; at most kMaxAfter.
+  std::vector<std::string> after;
+};
 
 /// A job as it is on disk. That it is running is not stored: a job that has not ended is queued.
 struct JobRecord {
@@ -27,6 +42,8 @@ struct JobRecord {
   std::string id;    ///< A UUID.
   std::string request_id;
   JobSpec spec;
+  JobWishes wishes;
+  bool paused = false;
   JobState state = JobState::kQueued;
   std::string error;
   absl::Time submitted;
@@ -39,6 +56,14 @@ struct FinishedFrame {
   Digest digest;
   uint64_t size = 0;  ///< Bytes.
   RenderStats stats;  ///< What its tiles took; zeros where that is not known.
+  int missing = 0;    ///< Tiles that the file lacks: they were quarantined.
+};
+
+/// A tile that is not tried any more, and why.
+struct QuarantinedTile {
+  int frame = 0;  ///< The frame's number.
+  uint32_t tile = 0;
+  std::vector<TileTrouble> evidence;  ///< Oldest first.
 };
 
 /// Durable state of jobs. Whatever a call has acknowledged survives a crash of the process and of the
@@ -56,7 +81,7 @@ class JobStore {
   };
   /// Stores a job, or returns the one that has this request id, which the caller is to compare.
   virtual absl::StatusOr<Created> Create(const std::string& request_id, const JobSpec& spec,
-                                         absl::Time now) = 0;
+                                         const JobWishes& wishes, absl::Time now) = 0;
   virtual absl::StatusOr<JobRecord> Get(absl::string_view id) = 0;
   /// NOT_FOUND where the request id has not been used.
   virtual absl::StatusOr<JobRecord> FindRequest(absl::string_view request_id) = 0;
@@ -67,6 +92,23 @@ class JobStore {
 
   /// Ends the job. A job that has ended stays as it is.
   virtual absl::Status End(uint64_t key, JobState state, const std::string& error, absl::Time now) = 0;
+
+  virtual absl::Status SetPaused(uint64_t key, bool paused) = 0;
+  virtual absl::Status SetPriority(uint64_t key, int priority) = 0;
+  /// The job is to be tried again: it is unfinished and not paused, none of its tiles is quarantined, and
+  /// frames that lacked tiles are not finished.
+  virtual absl::Status Retry(uint64_t key) = 0;
+
+  /// Notes workers (UUIDs) that are connected from now on (true), or not any more.
+  virtual absl::Status NoteWorkers(const std::map<std::string, bool>& connected) = 0;
+  virtual absl::StatusOr<std::vector<std::string>> ConnectedWorkers() = 0;
+
+  /// Quarantines a tile; what was known of it before is replaced.
+  virtual absl::Status Quarantine(uint64_t key, const QuarantinedTile& tile) = 0;
+  /// By frame and tile.
+  virtual absl::StatusOr<std::vector<QuarantinedTile>> QuarantinedTiles(uint64_t key) = 0;
+  /// Frames with quarantined tiles, of all jobs: job and frame number.
+  virtual absl::StatusOr<std::vector<std::pair<uint64_t, int>>> QuarantinedFrames() = 0;
 
   virtual absl::Status AddFinishedFrame(uint64_t key, const FinishedFrame& frame) = 0;
   virtual absl::Status RemoveFinishedFrame(uint64_t key, int frame) = 0;

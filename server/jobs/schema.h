@@ -35,6 +35,35 @@ inline constexpr const char* kMigrations[] = {
     R"sql(
       ALTER TABLE finished_frames ADD COLUMN stats BLOB;  -- A serialized shutterline.v1.RenderStats, or NULL.
     )sql",
+    R"sql(
+      ALTER TABLE jobs ADD COLUMN priority INTEGER NOT NULL DEFAULT 0;
+      ALTER TABLE jobs ADD COLUMN user TEXT NOT NULL DEFAULT '';
+      ALTER TABLE jobs ADD COLUMN after_ids TEXT NOT NULL DEFAULT '';      -- Ids of jobs, a comma between two.
+      ALTER TABLE jobs ADD COLUMN paused INTEGER NOT NULL DEFAULT 0;
+      ALTER TABLE finished_frames ADD COLUMN missing INTEGER NOT NULL DEFAULT 0;  -- Tiles that the EXR lacks.
+
+      CREATE TABLE quarantined_tiles (
+        job_key INTEGER NOT NULL REFERENCES jobs (key),
+        frame   INTEGER NOT NULL,                        -- The frame's number.
+        tile    INTEGER NOT NULL,
+        PRIMARY KEY (job_key, frame, tile)
+      ) STRICT, WITHOUT ROWID;
+
+      CREATE TABLE tile_troubles (                       -- Why tiles are quarantined; in the order of rows.
+        job_key      INTEGER NOT NULL,
+        frame        INTEGER NOT NULL,
+        tile         INTEGER NOT NULL,
+        worker_uuid  TEXT NOT NULL,
+        worker_name  TEXT NOT NULL,
+        worker_ended INTEGER NOT NULL,
+        reason       TEXT NOT NULL,
+        time_us      INTEGER NOT NULL,                   -- Microseconds since 1970, UTC.
+        FOREIGN KEY (job_key, frame, tile) REFERENCES quarantined_tiles ON DELETE CASCADE
+      ) STRICT;
+      CREATE INDEX tile_troubles_tile ON tile_troubles (job_key, frame, tile);
+
+      CREATE TABLE connected_workers (uuid TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;  -- When last heard of.
+    )sql",
 };
 
 }  // namespace shutterline::server

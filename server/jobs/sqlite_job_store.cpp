@@ -1,6 +1,8 @@
 #include "server/jobs/sqlite_job_store.h"
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+#include <absl/strings/str_split.h>
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -19,7 +21,9 @@ namespace shutterline::server {
 namespace {
 
 constexpr const char kJobColumns[] =
-    "SELECT key, id, request_id, spec, state, error, submitted_us, ended_us FROM jobs ";
+    "SELECT key, id, request_id, spec, state, error, submitted_us, ended_us, priority, user, after_ids, "
+    "paused "
+    "FROM jobs ";
 
 /// What a store holds was validated when it came in, perhaps under larger limits.
 constexpr JobLimits kNoLimits{std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::max(),
@@ -41,13 +45,17 @@ absl::StatusOr<JobRecord> ReadJob(SqliteStatement& row) {
   }
   job.spec = *std::move(translated);
   const int64_t state = row.ColumnInt(4);
-  if (state < int64_t(JobState::kQueued) || state > int64_t(JobState::kCancelled)) {
+  if (state < int64_t(JobState::kQueued) || state > int64_t(JobState::kPartial)) {
     return absl::DataLossError(absl::StrCat("job store: job ", job.id, ": state ", state, " is not known"));
   }
   job.state = JobState(state);
   job.error = row.ColumnBytes(5);
   job.submitted = absl::FromUnixMicros(row.ColumnInt(6));
   if (!row.ColumnIsNull(7)) job.ended = absl::FromUnixMicros(row.ColumnInt(7));
+  job.wishes.priority = int(row.ColumnInt(8));
+  job.wishes.user = row.ColumnBytes(9);
+  job.wishes.after = absl::StrSplit(row.ColumnBytes(10), ',', absl::SkipEmpty());
+  job.paused = row.ColumnInt(11) != 0;
   return job;
 }
 
@@ -148,7 +156,7 @@ absl::StatusOr<JobRecord> SqliteJobStore::FindOne(absl::string_view column, absl
 }
 
 absl::StatusOr<JobStore::Created> SqliteJobStore::Create(const std::string& request_id, const JobSpec& spec,
-                                                         absl::Time now) {
+                                                         const JobWishes& wishes, absl::Time now) {
   absl::MutexLock lock(&mutex_);
   absl::StatusOr<JobRecord> before = FindOne("request_id", request_id);
   if (before.ok()) return Created{*std::move(before), false};
@@ -158,15 +166,19 @@ absl::StatusOr<JobStore::Created> SqliteJobStore::Create(const std::string& requ
   job.id = MakeUuid();
   job.request_id = request_id;
   job.spec = spec;
+  job.wishes = wishes;
   job.submitted = absl::FromUnixMicros(absl::ToUnixMicros(now));
   SqliteStatement statement(database_,
-                            "INSERT INTO jobs (id, request_id, spec, state, error, submitted_us) "
-                            "VALUES (?, ?, ?, ?, '', ?)");
+                            "INSERT INTO jobs (id, request_id, spec, state, error, submitted_us, priority, "
+                            "user, after_ids) VALUES (?, ?, ?, ?, '', ?, ?, ?, ?)");
   SL_RETURN_IF_ERROR(statement.Text(job.id)
                          .Text(request_id)
                          .Blob(convert::ToProto(spec).SerializeAsString())
                          .Int(int64_t(job.state))
                          .Int(absl::ToUnixMicros(now))
+                         .Int(wishes.priority)
+                         .Text(wishes.user)
+                         .Text(absl::StrJoin(wishes.after, ","))
                          .Run());
   job.key = uint64_t(sqlite3_last_insert_rowid(database_));
   return Created{std::move(job), true};
@@ -202,14 +214,121 @@ absl::Status SqliteJobStore::End(uint64_t key, JobState state, const std::string
   return statement.Int(int64_t(state)).Text(error).Int(absl::ToUnixMicros(now)).Int(int64_t(key)).Run();
 }
 
+absl::Status SqliteJobStore::SetPaused(uint64_t key, bool paused) {
+  absl::MutexLock lock(&mutex_);
+  SqliteStatement statement(database_, "UPDATE jobs SET paused = ? WHERE key = ?");
+  return statement.Int(paused ? 1 : 0).Int(int64_t(key)).Run();
+}
+
+absl::Status SqliteJobStore::SetPriority(uint64_t key, int priority) {
+  absl::MutexLock lock(&mutex_);
+  SqliteStatement statement(database_, "UPDATE jobs SET priority = ? WHERE key = ?");
+  return statement.Int(priority).Int(int64_t(key)).Run();
+}
+
+absl::Status SqliteJobStore::Transact(absl::FunctionRef<absl::Status()> work) {
+  SL_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  absl::Status status = work();
+  if (status.ok()) status = Execute("COMMIT");
+  if (!status.ok()) (void)Execute("ROLLBACK");  // Where even that fails, `status` says more.
+  return status;
+}
+
+absl::Status SqliteJobStore::Retry(uint64_t key) {
+  absl::MutexLock lock(&mutex_);
+  return Transact([&]() ABSL_NO_THREAD_SAFETY_ANALYSIS -> absl::Status {
+    for (const char* sql :
+         {"UPDATE jobs SET state = 1, error = '', ended_us = NULL, paused = 0 WHERE key = ?",
+          "DELETE FROM finished_frames WHERE job_key = ? AND missing > 0",
+          "DELETE FROM quarantined_tiles WHERE job_key = ?"}) {
+      SL_RETURN_IF_ERROR(SqliteStatement(database_, sql).Int(int64_t(key)).Run());
+    }
+    return absl::OkStatus();
+  });
+}
+
+absl::Status SqliteJobStore::NoteWorkers(const std::map<std::string, bool>& connected) {
+  absl::MutexLock lock(&mutex_);
+  return Transact([&]() ABSL_NO_THREAD_SAFETY_ANALYSIS -> absl::Status {
+    for (const auto& [uuid, is_connected] : connected) {
+      SqliteStatement statement(database_, is_connected ? "INSERT OR IGNORE INTO connected_workers VALUES (?)"
+                                                        : "DELETE FROM connected_workers WHERE uuid = ?");
+      SL_RETURN_IF_ERROR(statement.Text(uuid).Run());
+    }
+    return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<std::vector<std::string>> SqliteJobStore::ConnectedWorkers() {
+  absl::MutexLock lock(&mutex_);
+  SqliteStatement rows(database_, "SELECT uuid FROM connected_workers");
+  std::vector<std::string> uuids;
+  while (rows.Step()) uuids.push_back(rows.ColumnBytes(0));
+  SL_RETURN_IF_ERROR(rows.status());
+  return uuids;
+}
+
+absl::Status SqliteJobStore::Quarantine(uint64_t key, const QuarantinedTile& tile) {
+  absl::MutexLock lock(&mutex_);
+  return Transact([&]() ABSL_NO_THREAD_SAFETY_ANALYSIS -> absl::Status {
+    SqliteStatement insert(database_, "INSERT OR REPLACE INTO quarantined_tiles VALUES (?, ?, ?)");
+    SL_RETURN_IF_ERROR(insert.Int(int64_t(key)).Int(tile.frame).Int(tile.tile).Run());
+    for (const TileTrouble& trouble : tile.evidence) {
+      SqliteStatement add(database_, "INSERT INTO tile_troubles VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+      SL_RETURN_IF_ERROR(add.Int(int64_t(key))
+                             .Int(tile.frame)
+                             .Int(tile.tile)
+                             .Text(trouble.worker_uuid)
+                             .Text(trouble.worker_name)
+                             .Int(trouble.worker_ended ? 1 : 0)
+                             .Text(trouble.reason)
+                             .Int(absl::ToUnixMicros(trouble.when))
+                             .Run());
+    }
+    return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<std::vector<QuarantinedTile>> SqliteJobStore::QuarantinedTiles(uint64_t key) {
+  absl::MutexLock lock(&mutex_);
+  SqliteStatement rows(database_,
+                       "SELECT q.frame, q.tile, t.worker_uuid, t.worker_name, t.worker_ended, t.reason, "
+                       "t.time_us FROM quarantined_tiles q LEFT JOIN tile_troubles t "
+                       "USING (job_key, frame, tile) WHERE job_key = ? ORDER BY q.frame, q.tile, t.rowid");
+  rows.Int(int64_t(key));
+  std::vector<QuarantinedTile> tiles;
+  while (rows.Step()) {
+    const int frame = int(rows.ColumnInt(0));
+    const auto tile = uint32_t(rows.ColumnInt(1));
+    if (tiles.empty() || tiles.back().frame != frame || tiles.back().tile != tile) {
+      tiles.push_back({frame, tile, {}});
+    }
+    if (rows.ColumnIsNull(2)) continue;
+    tiles.back().evidence.push_back({rows.ColumnBytes(2), rows.ColumnBytes(3), rows.ColumnInt(4) != 0,
+                                     rows.ColumnBytes(5), absl::FromUnixMicros(rows.ColumnInt(6))});
+  }
+  SL_RETURN_IF_ERROR(rows.status());
+  return tiles;
+}
+
+absl::StatusOr<std::vector<std::pair<uint64_t, int>>> SqliteJobStore::QuarantinedFrames() {
+  absl::MutexLock lock(&mutex_);
+  SqliteStatement rows(database_, "SELECT DISTINCT job_key, frame FROM quarantined_tiles");
+  std::vector<std::pair<uint64_t, int>> frames;
+  while (rows.Step()) frames.emplace_back(uint64_t(rows.ColumnInt(0)), int(rows.ColumnInt(1)));
+  SL_RETURN_IF_ERROR(rows.status());
+  return frames;
+}
+
 absl::Status SqliteJobStore::AddFinishedFrame(uint64_t key, const FinishedFrame& frame) {
   absl::MutexLock lock(&mutex_);
-  SqliteStatement statement(database_, "INSERT OR REPLACE INTO finished_frames VALUES (?, ?, ?, ?, ?)");
+  SqliteStatement statement(database_, "INSERT OR REPLACE INTO finished_frames VALUES (?, ?, ?, ?, ?, ?)");
   return statement.Int(int64_t(key))
       .Int(frame.frame)
       .Blob({reinterpret_cast<const char*>(frame.digest.bytes.data()), frame.digest.bytes.size()})
       .Int(int64_t(frame.size))
       .Blob(convert::ToProto(frame.stats).SerializeAsString())
+      .Int(frame.missing)
       .Run();
 }
 
@@ -221,9 +340,9 @@ absl::Status SqliteJobStore::RemoveFinishedFrame(uint64_t key, int frame) {
 
 absl::StatusOr<std::vector<FinishedFrame>> SqliteJobStore::FinishedFrames(uint64_t key) {
   absl::MutexLock lock(&mutex_);
-  SqliteStatement statement(
-      database_,
-      "SELECT frame, digest, size_bytes, stats FROM finished_frames WHERE job_key = ? ORDER BY frame");
+  SqliteStatement statement(database_,
+                            "SELECT frame, digest, size_bytes, stats, missing FROM finished_frames WHERE "
+                            "job_key = ? ORDER BY frame");
   statement.Int(int64_t(key));
   std::vector<FinishedFrame> frames;
   while (statement.Step()) {
@@ -236,6 +355,7 @@ absl::StatusOr<std::vector<FinishedFrame>> SqliteJobStore::FinishedFrames(uint64
     std::copy(digest.begin(), digest.end(), reinterpret_cast<char*>(frame.digest.bytes.data()));
     frame.size = uint64_t(statement.ColumnInt(2));
     if (!statement.ColumnIsNull(3)) frame.stats = ReadStats(statement.ColumnBytes(3));
+    frame.missing = int(statement.ColumnInt(4));
     frames.push_back(frame);
   }
   SL_RETURN_IF_ERROR(statement.status());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <absl/base/thread_annotations.h>
+#include <absl/functional/function_ref.h>
 #include <absl/synchronization/mutex.h>
 
 #include <memory>
@@ -24,12 +25,21 @@ class SqliteJobStore final : public JobStore {
   ~SqliteJobStore() override;
 
   absl::StatusOr<uint64_t> NextEpoch() override;
-  absl::StatusOr<Created> Create(const std::string& request_id, const JobSpec& spec, absl::Time now) override;
+  absl::StatusOr<Created> Create(const std::string& request_id, const JobSpec& spec, const JobWishes& wishes,
+                                 absl::Time now) override;
   absl::StatusOr<JobRecord> Get(absl::string_view id) override;
   absl::StatusOr<JobRecord> FindRequest(absl::string_view request_id) override;
   absl::StatusOr<std::vector<JobRecord>> List(uint64_t before, int limit) override;
   absl::StatusOr<std::vector<JobRecord>> Unfinished() override;
   absl::Status End(uint64_t key, JobState state, const std::string& error, absl::Time now) override;
+  absl::Status SetPaused(uint64_t key, bool paused) override;
+  absl::Status SetPriority(uint64_t key, int priority) override;
+  absl::Status Retry(uint64_t key) override;
+  absl::Status NoteWorkers(const std::map<std::string, bool>& connected) override;
+  absl::StatusOr<std::vector<std::string>> ConnectedWorkers() override;
+  absl::Status Quarantine(uint64_t key, const QuarantinedTile& tile) override;
+  absl::StatusOr<std::vector<QuarantinedTile>> QuarantinedTiles(uint64_t key) override;
+  absl::StatusOr<std::vector<std::pair<uint64_t, int>>> QuarantinedFrames() override;
   absl::Status AddFinishedFrame(uint64_t key, const FinishedFrame& frame) override;
   absl::Status RemoveFinishedFrame(uint64_t key, int frame) override;
   absl::StatusOr<std::vector<FinishedFrame>> FinishedFrames(uint64_t key) override;
@@ -38,6 +48,8 @@ class SqliteJobStore final : public JobStore {
   explicit SqliteJobStore(sqlite3* database) : database_(database) {}
   absl::Status Migrate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status Execute(const char* sql) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Runs the statements of `work` all or none.
+  absl::Status Transact(absl::FunctionRef<absl::Status()> work) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<JobRecord> FindOne(absl::string_view column, absl::string_view value)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "server/schedule/tile_trouble.h"
+
 namespace shutterline::server {
 
 using JobKey = uint64_t;    ///< A job's number in the store; smaller is older.
@@ -20,7 +22,11 @@ struct Lease {
   int frame = 0;  ///< Index into the job's frames.
   std::vector<uint32_t> tiles;
   int outstanding = 0;      ///< Tiles that neither came back nor failed.
-  absl::Duration deadline;  ///< Monotonic.
+  absl::Duration deadline;  ///< Monotonic, as the next.
+  absl::Duration granted;
+  /// When its latest tile came back, or was granted: since then nothing has been heard of its work.
+  absl::Duration progressed;
+  double charged = 0;  ///< Seconds a tile that its job has been charged for (FairShare).
 };
 
 struct EndedLease {
@@ -28,12 +34,12 @@ struct EndedLease {
   WorkerId worker = 0;
 };
 
-/// A tile that cannot be rendered, and why: its job has failed.
-struct PoisonedTile {
+/// A tile that is not tried any more, and why.
+struct Quarantined {
   JobKey job = 0;
-  int frame = 0;
+  int frame = 0;  ///< Index into the job's frames.
   uint32_t tile = 0;
-  std::string reason;
+  std::vector<TileTrouble> evidence;  ///< Oldest first.
 };
 
 }  // namespace shutterline::server

@@ -1,9 +1,8 @@
 #include "server/schedule/tile_scheduler.h"
 
-#include <absl/strings/str_cat.h>
-
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "common/base/check.h"
 
@@ -21,8 +20,10 @@ double Blend(double mean, double newest) {
 
 }  // namespace
 
-void TileScheduler::AddJob(JobKey job, int frames, int columns, int rows) {
+void TileScheduler::AddJob(JobKey job, int frames, int columns, int rows, int priority,
+                           const std::string& user) {
   jobs_[job].queue = std::make_unique<JobQueue>(frames, columns, rows);
+  shares_.Add(job, priority, user);
 }
 
 JobQueue* TileScheduler::Find(JobKey job) {
@@ -35,37 +36,58 @@ const JobQueue* TileScheduler::Find(JobKey job) const {
   return found == jobs_.end() ? nullptr : found->second.queue.get();
 }
 
-std::vector<EndedLease> TileScheduler::RemoveJob(JobKey job) {
+std::vector<EndedLease> TileScheduler::EndLeases(JobKey job) {
   std::vector<EndedLease> ended;
   for (auto& [id, worker] : workers_) {
-    for (auto lease = worker.leases.begin(); lease != worker.leases.end();) {
-      if (lease->second.job != job) {
-        ++lease;
-        continue;
-      }
-      ended.push_back({lease->first, id});
-      lease_owner_.erase(lease->first);
-      lease = worker.leases.erase(lease);
+    std::vector<LeaseId> of_job;
+    for (const auto& [lease_id, lease] : worker.leases) {
+      if (lease.job == job) of_job.push_back(lease_id);
     }
-    worker.held.erase(job);
+    for (const LeaseId lease : of_job) {
+      ended.push_back({lease, id});
+      EndLease(worker, worker.leases.at(lease));
+    }
   }
-  jobs_.erase(job);
   return ended;
 }
 
-void TileScheduler::AddWorker(WorkerId worker, const std::string& uuid, int slots) {
+std::vector<EndedLease> TileScheduler::RemoveJob(JobKey job) {
+  std::vector<EndedLease> ended = EndLeases(job);
+  for (auto& [id, worker] : workers_) worker.held.erase(job);
+  jobs_.erase(job);
+  shares_.Remove(job);
+  return ended;
+}
+
+void TileScheduler::SetPriority(JobKey job, int priority) {
+  if (jobs_.contains(job)) shares_.SetPriority(job, priority);
+}
+
+void TileScheduler::SetBlocked(JobKey job, Block block, bool blocked) {
+  const auto found = jobs_.find(job);
+  if (found == jobs_.end()) return;
+  const auto bit = unsigned(block);
+  found->second.blocks = blocked ? found->second.blocks | bit : found->second.blocks & ~bit;
+}
+
+void TileScheduler::AddWorker(WorkerId worker, const std::string& uuid, int slots, const std::string& boot_id,
+                              const std::string& name) {
   SL_CHECK(!workers_.contains(worker));
   Worker& added = workers_[worker];
   added.uuid = uuid;
+  added.boot_id = boot_id;
+  added.name = name;
   added.slots = std::max(1, slots);
   slots_ += added.slots;
   added.last_heard = clock_.Monotonic();
+  for (auto& [key, job] : jobs_) job.queue->Acquit(uuid, boot_id);
 }
 
 void TileScheduler::EndLease(Worker& worker, const Lease& lease) {
   if (JobQueue* queue = Find(lease.job)) {
     for (const uint32_t tile : lease.tiles) queue->PutBack(lease.frame, tile, lease.id);
   }
+  shares_.Charge(lease.job, -lease.charged * lease.outstanding);
   lease_owner_.erase(lease.id);
   worker.leases.erase(lease.id);  // `lease` ends here.
 }
@@ -93,6 +115,15 @@ std::vector<EndedLease> TileScheduler::RemoveWorker(WorkerId id) {
   if (!found->second.lost_until) slots_ -= found->second.slots;
   workers_.erase(found);
   return ended;
+}
+
+std::vector<Quarantined> TileScheduler::BuryWorker(WorkerId id) {
+  std::vector<Quarantined> quarantined;
+  const auto found = workers_.find(id);
+  if (found == workers_.end()) return quarantined;
+  Blame(found->second, "its process ended while it rendered the tile", quarantined);
+  RemoveWorker(id);
+  return quarantined;
 }
 
 void TileScheduler::LoseWorker(WorkerId id) {
@@ -131,39 +162,85 @@ int TileScheduler::BatchSize(const Worker& worker, JobKey key, const Job& job) c
   return int(std::clamp(std::min(by_time, by_rest), 1.0, double(options_.max_batch_tiles)));
 }
 
-std::optional<Lease> TileScheduler::Grant(WorkerId id) {
+TileScheduler::Worker* TileScheduler::Ready(WorkerId id) {
   const auto found = workers_.find(id);
-  if (found == workers_.end()) return std::nullopt;
-  Worker& worker = found->second;
-  const absl::Duration now = clock_.Monotonic();
-  if (worker.lost_until || now - worker.last_heard >= options_.lease_ttl) return std::nullopt;
-  for (auto& [key, job] : jobs_) {
-    if (job.queue->queued() == 0) continue;
-    std::deque<int>& held = worker.held[key];
-    const std::optional<int> frame = job.queue->ChooseFrame(held, id);
-    SL_CHECK(frame.has_value());
+  if (found == workers_.end() || found->second.lost_until) return nullptr;
+  return clock_.Monotonic() - found->second.last_heard < options_.lease_ttl ? &found->second : nullptr;
+}
 
-    Lease lease;
-    lease.id = next_lease_++;
-    lease.worker = id;
-    lease.job = key;
-    lease.frame = *frame;
-    lease.tiles = job.queue->Take(*frame, BatchSize(worker, key, job), id, lease.id);
-    SL_CHECK(!lease.tiles.empty());
-    lease.outstanding = int(lease.tiles.size());
-    lease.deadline = now + options_.lease_ttl;
+Lease TileScheduler::NewLease(WorkerId id, JobKey job, int frame) const {
+  Lease lease;
+  lease.id = next_lease_;
+  lease.worker = id;
+  lease.job = job;
+  lease.frame = frame;
+  lease.granted = lease.progressed = clock_.Monotonic();
+  lease.deadline = lease.granted + options_.lease_ttl;
+  return lease;
+}
 
-    const auto before = std::find(held.begin(), held.end(), *frame);
-    if (before != held.end()) held.erase(before);
-    held.push_front(*frame);
-    if (held.size() > kHeldFrames) {
-      job.queue->Leave(held.back(), id);
-      held.pop_back();
-    }
-    lease_owner_[lease.id] = id;
-    return worker.leases[lease.id] = lease;
+const Lease& TileScheduler::Enter(Worker& worker, Job& job, Lease lease) {
+  SL_CHECK(!lease.tiles.empty());
+  ++next_lease_;
+  lease.outstanding = int(lease.tiles.size());
+  lease.charged = job.tile_seconds > 0 ? job.tile_seconds : absl::ToDoubleSeconds(options_.batch_time);
+  shares_.Charge(lease.job, lease.charged * lease.outstanding);
+
+  std::deque<int>& held = worker.held[lease.job];
+  const auto before = std::find(held.begin(), held.end(), lease.frame);
+  if (before != held.end()) held.erase(before);
+  held.push_front(lease.frame);
+  if (held.size() > kHeldFrames) {
+    job.queue->Leave(held.back(), lease.worker);
+    held.pop_back();
+  }
+  worker.latest_job = lease.job;
+  lease_owner_[lease.id] = lease.worker;
+  return worker.leases[lease.id] = std::move(lease);
+}
+
+std::optional<Lease> TileScheduler::Grant(WorkerId id) {
+  Worker* worker = Ready(id);
+  if (worker == nullptr) return std::nullopt;
+  worker->last_asked = clock_.Monotonic();
+  std::vector<JobKey> wanting;
+  for (const auto& [key, job] : jobs_) {
+    if (job.blocks == 0 && job.queue->queued() > 0) wanting.push_back(key);
+  }
+  const double slack = absl::ToDoubleSeconds(options_.share_slack) * double(std::max<int64_t>(1, slots_));
+  for (const JobKey key : shares_.Rank(wanting, worker->latest_job, slack)) {
+    if (std::optional<Lease> lease = GrantFrom(id, *worker, key, jobs_.at(key))) return lease;
   }
   return std::nullopt;
+}
+
+std::optional<Lease> TileScheduler::GrantFrom(WorkerId id, Worker& worker, JobKey key, Job& job) {
+  if (IsBarred(worker, job)) return std::nullopt;
+  const auto refuses = [&](const TroubleLog& log) {
+    return log.failed_by.contains(worker.uuid) && AnotherWould(worker, job, &log);
+  };
+  const std::optional<int> frame = job.queue->ChooseFrame(worker.held[key], id, refuses);
+  if (!frame) return std::nullopt;
+  Lease lease = NewLease(id, key, *frame);
+  lease.tiles = job.queue->Take(*frame, BatchSize(worker, key, job), id, lease.id, refuses);
+  return Enter(worker, job, std::move(lease));
+}
+
+std::optional<Lease> TileScheduler::Adopt(WorkerId id, JobKey key, int frame,
+                                          const std::vector<uint32_t>& tiles) {
+  Worker* worker = Ready(id);
+  const auto job = jobs_.find(key);
+  if (worker == nullptr || job == jobs_.end() || frame < 0 || frame >= job->second.queue->frame_count()) {
+    return std::nullopt;
+  }
+  if ((job->second.blocks & ~unsigned(Block::kAdoption)) != 0) return std::nullopt;
+  std::vector<uint32_t> known;
+  std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(known),
+               [&](uint32_t tile) { return job->second.queue->Contains(frame, tile); });
+  Lease lease = NewLease(id, key, frame);
+  lease.tiles = job->second.queue->TakeThese(frame, known, id, lease.id);
+  if (lease.tiles.empty()) return std::nullopt;
+  return Enter(*worker, job->second, std::move(lease));
 }
 
 int64_t TileScheduler::Return(WorkerId id, const std::vector<LeaseId>& leases) {
@@ -179,13 +256,17 @@ int64_t TileScheduler::Return(WorkerId id, const std::vector<LeaseId>& leases) {
   return returned;
 }
 
-void TileScheduler::Settle(JobKey job, int frame, uint32_t tile, LeaseId holder) {
+void TileScheduler::Settle(JobKey job, int frame, uint32_t tile, LeaseId holder, double seconds) {
   const auto owner = lease_owner_.find(holder);
   if (owner == lease_owner_.end()) return;
   Worker& worker = workers_.at(owner->second);
   Lease& lease = worker.leases.at(holder);
   SL_CHECK(lease.job == job && lease.frame == frame);
   SL_CHECK(std::find(lease.tiles.begin(), lease.tiles.end(), tile) != lease.tiles.end());
+  // Nobody can have spent more than has passed, whatever is reported.
+  const absl::Duration now = clock_.Monotonic();
+  shares_.Charge(job, std::min(seconds, absl::ToDoubleSeconds(now - lease.granted)) - lease.charged);
+  lease.progressed = now;
   if (--lease.outstanding == 0) {
     lease_owner_.erase(owner);
     worker.leases.erase(holder);
@@ -195,12 +276,19 @@ void TileScheduler::Settle(JobKey job, int frame, uint32_t tile, LeaseId holder)
 bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, absl::Duration render_time) {
   const auto job = jobs_.find(key);
   if (job == jobs_.end() || !job->second.queue->Contains(frame, tile)) return false;
-  const LeaseId holder = job->second.queue->Holder(frame, tile);
+  const Holders holders = job->second.queue->HoldersOf(frame, tile);
   if (!job->second.queue->MarkDone(frame, tile)) return false;
-  if (holder != 0) Settle(key, frame, tile, holder);
-
-  const double seconds = absl::ToDoubleSeconds(render_time);
-  if (seconds > 0 && std::isfinite(seconds)) {
+  double seconds = absl::ToDoubleSeconds(render_time);
+  if (!(seconds > 0 && std::isfinite(seconds))) seconds = 0;
+  for (const LeaseId holder : {holders.first, holders.second}) {
+    const auto owner = lease_owner_.find(holder);
+    if (owner == lease_owner_.end()) continue;
+    const WorkerId worker = owner->second;
+    Settle(key, frame, tile, holder, worker == id ? seconds : 0);
+    if (worker != id && !lease_owner_.contains(holder)) revoked_.push_back({holder, worker});
+  }
+  if (seconds > 0) {
+    job->second.times.Add(seconds);
     job->second.tile_seconds = Blend(job->second.tile_seconds, seconds);
     const auto found = workers_.find(id);
     if (found != workers_.end()) {
@@ -213,48 +301,13 @@ bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, 
   return true;
 }
 
-std::optional<PoisonedTile> TileScheduler::Fail(JobKey key, int frame, uint32_t tile, WorkerId id,
-                                                const std::string& reason) {
-  JobQueue* queue = Find(key);
-  if (queue == nullptr || !queue->Contains(frame, tile) || queue->IsDone(frame, tile)) return std::nullopt;
-  const LeaseId holder = queue->Holder(frame, tile);
-  const auto owner = lease_owner_.find(holder);
-  // Somebody else may be rendering the tile by now: let them.
-  if (owner != lease_owner_.end() && owner->second == id) {
-    queue->PutBack(frame, tile, holder);
-    Settle(key, frame, tile, holder);
-  }
-  if (queue->CountFailure(frame, tile) < options_.max_tile_failures) return std::nullopt;
-  return PoisonedTile{key, frame, tile, reason};
-}
-
-void TileScheduler::Blame(const Worker& worker, std::vector<PoisonedTile>& poisoned) {
-  // A worker renders its oldest leases, one a slot, each in order: the first unfinished tile of each may have
-  // killed it, no other can have.
-  int slot = 0;
-  for (const auto& [id, lease] : worker.leases) {
-    if (slot++ == worker.slots) break;
-    JobQueue* queue = Find(lease.job);
-    if (queue == nullptr) continue;
-    const auto tile =
-        std::find_if(lease.tiles.begin(), lease.tiles.end(), [&, &lease = lease](uint32_t candidate) {
-          return queue->Holder(lease.frame, candidate) == lease.id;
-        });
-    if (tile == lease.tiles.end()) continue;
-    const int deaths = queue->CountDeath(lease.frame, *tile, worker.uuid);
-    if (deaths >= options_.max_tile_deaths) {
-      poisoned.push_back(
-          {lease.job, lease.frame, *tile, absl::StrCat(deaths, " workers ended while they rendered it")});
-    }
-  }
-}
-
 TileScheduler::Expired TileScheduler::Expire() {
   Expired expired;
   const absl::Duration now = clock_.Monotonic();
   for (auto& [id, worker] : workers_) {
     if (worker.lost_until && *worker.lost_until <= now) {
-      Blame(worker, expired.poisoned);
+      Blame(worker, "its stream broke while it rendered the tile, and it did not come back",
+            expired.quarantined);
       expired.workers.push_back(id);
       continue;
     }
@@ -289,13 +342,17 @@ absl::Duration TileScheduler::TileTime(WorkerId id) const {
 
 int64_t TileScheduler::QueuedTiles() const {
   int64_t tiles = 0;
-  for (const auto& [key, job] : jobs_) tiles += job.queue->queued();
+  for (const auto& [key, job] : jobs_) {
+    if (job.blocks == 0) tiles += job.queue->queued();
+  }
   return tiles;
 }
 
 TileScheduler::Demand TileScheduler::Remaining() const {
   Demand demand;
   for (const auto& [key, job] : jobs_) {
+    // What waits for a person or another job asks for no workers.
+    if ((job.blocks & ~unsigned(Block::kAdoption)) != 0) continue;
     demand.queued += job.queue->queued();
     demand.remaining += job.queue->remaining();
     if (job.tile_seconds <= 0) {

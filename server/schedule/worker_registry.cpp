@@ -80,6 +80,16 @@ std::vector<WorkerId> WorkerRegistry::Predecessors(const WorkerEntry& entry) con
   return ids;
 }
 
+std::vector<WorkerId> WorkerRegistry::Siblings(const WorkerEntry& entry) const {
+  std::vector<WorkerId> ids;
+  for (const auto& [id, other] : entries_) {
+    if (id < entry.id && other.hello.uuid == entry.hello.uuid && other.hello.boot_id == entry.hello.boot_id) {
+      ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
 void WorkerRegistry::Remove(WorkerId id) {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return;

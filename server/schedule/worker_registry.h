@@ -51,6 +51,8 @@ class WorkerRegistry {
   WorkerEntry* FindSession(absl::string_view session_id);
   /// Earlier registrations of the same worker by another process: that process is gone.
   std::vector<WorkerId> Predecessors(const WorkerEntry& entry) const;
+  /// Earlier registrations of the same process: it has given them up.
+  std::vector<WorkerId> Siblings(const WorkerEntry& entry) const;
   void Remove(WorkerId id);
 
   const std::map<WorkerId, WorkerEntry>& entries() const { return entries_; }

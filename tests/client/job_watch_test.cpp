@@ -97,6 +97,7 @@ TEST(Delivery, ExitCodesTellWholeFromPartFromNothing) {
   Console console{out, err};
   for (const auto& [state, finished, code] : std::vector<std::tuple<v1::JobState, uint32_t, ExitCode>>{
            {v1::JOB_STATE_SUCCEEDED, 2, ExitCode::kSuccess},
+           {v1::JOB_STATE_PARTIAL, 2, ExitCode::kPartial},
            {v1::JOB_STATE_FAILED, 1, ExitCode::kPartial},
            {v1::JOB_STATE_CANCELLED, 1, ExitCode::kPartial},
            {v1::JOB_STATE_FAILED, 0, ExitCode::kFailed},

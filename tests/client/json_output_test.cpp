@@ -33,6 +33,7 @@ TEST(JsonOutput, EveryKeyIsDocumented) {
   ASSERT_GT(page.size(), 1000u);
   v1::Job job;
   job.mutable_spec()->mutable_render();
+  job.add_quarantined()->add_evidence();
   ExpectDocumented(ToJson(job), page);
   ExpectDocumented(ToJson(v1::FrameStatus()), page);
   ExpectDocumented(ToJson(v1::Worker()), page);

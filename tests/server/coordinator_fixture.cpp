@@ -112,12 +112,26 @@ v1::Job CoordinatorFixture::Get(const std::string& job_id) {
   return job;
 }
 
-grpc::Status CoordinatorFixture::Cancel(const std::string& job_id, v1::Job& job) {
+grpc::Status CoordinatorFixture::Control(const std::string& job_id, v1::ControlRequest::Action action,
+                                         v1::Job& job, int priority) {
   grpc::ClientContext context;
   v1::ControlRequest request;
   request.set_job_id(job_id);
-  request.set_action(v1::ControlRequest::ACTION_CANCEL);
+  request.set_action(action);
+  request.set_priority(priority);
   return jobs_->Control(&context, request, &job);
+}
+
+v1::Job CoordinatorFixture::ControlOrDie(const std::string& job_id, v1::ControlRequest::Action action,
+                                         int priority) {
+  v1::Job job;
+  const grpc::Status status = Control(job_id, action, job, priority);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  return job;
+}
+
+grpc::Status CoordinatorFixture::Cancel(const std::string& job_id, v1::Job& job) {
+  return Control(job_id, v1::ControlRequest::ACTION_CANCEL, job);
 }
 
 v1::Job CoordinatorFixture::WaitForEnd(const std::string& job_id, std::vector<v1::JobEvent>* events,

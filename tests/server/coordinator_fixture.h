@@ -34,6 +34,10 @@ class CoordinatorFixture : public testing::Test {
   v1::Job SubmitOrDie(const v1::SubmitRequest& request);
   v1::Job Get(const std::string& job_id);
   grpc::Status Cancel(const std::string& job_id, v1::Job& job);
+  grpc::Status Control(const std::string& job_id, v1::ControlRequest::Action action, v1::Job& job,
+                       int priority = 0);
+  /// The same, which must succeed.
+  v1::Job ControlOrDie(const std::string& job_id, v1::ControlRequest::Action action, int priority = 0);
   /// Watches until the job has ended; returns its last state.
   v1::Job WaitForEnd(const std::string& job_id, std::vector<v1::JobEvent>* events = nullptr,
                      uint64_t after_seq = 0);

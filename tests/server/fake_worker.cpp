@@ -33,7 +33,7 @@ std::string SyntheticTile(int width, int height, int frame, uint32_t tile) {
 v1::Hello FakeWorker::MakeHello(const std::string& uuid) {
   v1::Hello hello;
   hello.set_worker_uuid(uuid);
-  hello.set_boot_id(MakeUuid());
+  hello.set_boot_id("the only process of " + uuid);
   hello.mutable_protocol()->set_low(convert::kProtocolLow);
   hello.mutable_protocol()->set_high(convert::kProtocolHigh);
   hello.set_build_id(kBuildId);
@@ -43,7 +43,8 @@ v1::Hello FakeWorker::MakeHello(const std::string& uuid) {
   return hello;
 }
 
-FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid)
+FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid,
+                       const std::vector<v1::HeldLease>& held)
     : stub_(v1::Workers::NewStub(channel)) {
   grpc::ClientContext context;
   SL_CHECK(stub_->Register(&context, MakeHello(uuid), &welcome_).ok());
@@ -51,6 +52,7 @@ FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std:
   v1::WorkerMessage message;
   message.mutable_open()->set_session_id(welcome_.session_id());
   message.mutable_open()->set_epoch(welcome_.epoch());
+  message.mutable_open()->mutable_held()->Add(held.begin(), held.end());
   SL_CHECK(session_->Write(message));
   results_ = stub_->PushResults(&results_context_);
 }
@@ -133,6 +135,19 @@ v1::TileResult FakeWorker::Result(const v1::Grant& grant, uint32_t tile) const {
   result.mutable_stats()->set_lines(100 + tile);
   result.mutable_stats()->set_shade_seconds(0.25);
   return result;
+}
+
+void FakeWorker::FailNext(const std::string& reason) {
+  Credit(1);
+  const v1::Grant grant = NextGrant();
+  std::vector<v1::TileResult> results;
+  for (const uint32_t tile : grant.tiles()) {
+    v1::TileResult& result = results.emplace_back(Result(grant, tile));
+    result.clear_stats();
+    result.mutable_failure()->set_code(8);
+    result.mutable_failure()->set_message(reason);
+  }
+  Push(results);
 }
 
 v1::ResultAck FakeWorker::Push(const std::vector<v1::TileResult>& results) {

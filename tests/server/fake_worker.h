@@ -20,7 +20,9 @@ void SyntheticPixel(int frame, int x, int y, float pixels[4]);
 /// A worker that does what a test says, one step at a time; calls block until the coordinator has answered.
 class FakeWorker {
  public:
-  explicit FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid = "fake");
+  /// `held`: what it says it is at since an earlier session.
+  explicit FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid = "fake",
+                      const std::vector<v1::HeldLease>& held = {});
   ~FakeWorker();  ///< Dies.
 
   static v1::Hello MakeHello(const std::string& uuid);
@@ -38,6 +40,8 @@ class FakeWorker {
   /// Renders and pushes a whole grant.
   v1::ResultAck Render(const v1::Grant& grant);
   v1::TileResult Result(const v1::Grant& grant, uint32_t tile) const;
+  /// Asks for a lease and fails the tiles of it.
+  void FailNext(const std::string& reason);
   /// Grants and renders with one credit after the other until the job is to be forgotten.
   void RenderUntilForgotten();
   /// The process is gone: both streams break.

@@ -61,13 +61,46 @@ TEST(LeaseBoard, TilesOfAnEarlierSessionDoNotCountForALeaseOfTheSameNumber) {
   const uint32_t tiles[] = {0};
   board.Grant(Job(), 1, 0, tiles);
   const TileTask old = *board.Take();
-  board.Clear();
+  board.Suspend();
+  EXPECT_THAT(board.LiveLeases(), IsEmpty());
+  board.DropSuspended();
   board.Grant(Job(), 1, 0, tiles);
   board.Rendered(old);
   board.Acknowledged(old);
   EXPECT_EQ(board.UnrenderedLeases(), 1u);
   EXPECT_THAT(board.LiveLeases(), ElementsAre(1u));
   EXPECT_FALSE(board.Idle());
+}
+
+TEST(LeaseBoard, AdoptedLeaseGoesOnUnderItsNewNumberAndTheRestIsDropped) {
+  LeaseBoard board;
+  const uint32_t four[] = {4, 5, 6, 7}, other[] = {9};
+  board.Grant(Job(), 1, 3, four);
+  board.Grant(Job(), 2, 3, other);
+  const TileTask rendered = *board.Take(), taken = *board.Take();
+  board.Rendered(rendered);
+  board.Suspend();
+  const std::vector<LeaseBoard::Held> held = board.Suspended();
+  ASSERT_EQ(held.size(), 2u);
+  EXPECT_THAT(held[0].tiles, ElementsAre(4u, 5u, 6u, 7u));  // None is acknowledged.
+  EXPECT_EQ(held[0].frame, 3);
+  // Somebody else has got tile 6 meanwhile, and the other lease altogether.
+  const uint32_t adopted[] = {4, 5, 7};
+  EXPECT_TRUE(board.Adopt(held[0].ticket, 100, adopted));
+  EXPECT_FALSE(board.Adopt(held[0].ticket, 101, adopted)) << "adopted already";
+  EXPECT_FALSE(board.Adopt(999, 102, adopted)) << "unknown";
+  board.DropSuspended();
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(100u));
+  EXPECT_EQ(board.UnrenderedLeases(), 1u);
+  EXPECT_EQ(board.Take()->tile, 7u);
+  board.Rendered(taken);
+  TileTask last = taken;
+  last.tile = 7;
+  board.Rendered(last);
+  EXPECT_TRUE(board.Idle());
+  EXPECT_EQ(board.UnrenderedLeases(), 0u);
+  for (const TileTask& task : {rendered, taken, last}) board.Acknowledged(task);
+  EXPECT_THAT(board.LiveLeases(), IsEmpty());
 }
 
 TEST(LeaseBoard, CloseWakesWaitingThreads) {

@@ -130,25 +130,71 @@ TEST_F(WorkerSessionTest, ABrokenStreamLosesNoResultAndSendsNoneTwice) {
   EXPECT_EQ(engine_.tiles, 8) << "sent again, not rendered again";
 }
 
-TEST_F(WorkerSessionTest, ATileUnderWayDuringTheBreakIsDelivered) {
-  absl::Notification started, go_on;
-  engine_.before_tile = [&](const TileRect&, int) {
-    if (!started.HasBeenNotified()) started.Notify();
-    go_on.WaitForNotification();
-    return absl::OkStatus();
-  };
-  StartWorker(1);
-  SendJob();
-  coordinator_.Grant(1, "job-1", 0, {7, 8});
-  started.WaitForNotification();
-  coordinator_.BreakStreams();
-  coordinator_.WaitFor([](const State& s) { return s.sessions == 2 && s.credit > 0; });
-  go_on.Notify();
-  const State state = coordinator_.WaitFor([](const State& s) { return !s.results.empty(); });
-  EXPECT_EQ(state.results[0].tile(), 7u);
+/// One worker thread that is at tile 7 and has tile 8 waiting when its streams break.
+class WorkerAdoptionTest : public WorkerTest {
+ protected:
+  void BreakInMidLease() {
+    engine_.before_tile = [&](const TileRect&, int) {
+      if (!started_.HasBeenNotified()) started_.Notify();
+      go_on_.WaitForNotification();
+      return absl::OkStatus();
+    };
+    StartWorker(1);
+    SendJob();
+    coordinator_.Grant(1, "job-1", 0, {7, 8});
+    started_.WaitForNotification();
+    coordinator_.BreakStreams();
+    const State state = coordinator_.WaitFor([](const State& s) { return s.sessions == 2 && s.credit > 0; });
+    EXPECT_EQ(state.opens[0].held_size(), 0);
+    ASSERT_EQ(state.opens[1].held_size(), 1);
+    held_ = state.opens[1].held(0);
+    EXPECT_EQ(held_.job_id(), "job-1");
+    EXPECT_EQ(held_.frame(), 0);
+    EXPECT_THAT(held_.tiles(), ElementsAre(7u, 8u));
+    SendJob();
+  }
+
+  absl::Notification started_, go_on_;
+  v1::HeldLease held_;
+};
+
+TEST_F(WorkerAdoptionTest, WhatIsAdoptedIsRenderedOnce) {
+  BreakInMidLease();
+  v1::CoordinatorMessage message;
+  v1::Grant& grant = *message.mutable_grant();
+  grant.set_lease_id(9);
+  grant.set_job_id("job-1");
+  grant.add_tiles(7);
+  grant.add_tiles(8);
+  grant.set_adopts(held_.ticket());
+  coordinator_.Send(message);
+  message.mutable_adopted();
+  coordinator_.Send(message);
+  coordinator_.WaitFor(
+      [](const State& s) { return !s.heartbeats.empty() && s.heartbeats.back().size() == 1; });
+  EXPECT_THAT(coordinator_.state().heartbeats.back(), ElementsAre(9u));
+  go_on_.Notify();
+  const State state = coordinator_.WaitFor([](const State& s) { return s.results.size() == 2; });
+  EXPECT_EQ(TilesOf(state.results), (std::multiset<uint32_t>{7, 8}));
   worker_->Drain();
   EXPECT_TRUE(worker_->Wait().ok());
-  EXPECT_EQ(coordinator_.state().results.size(), 1u) << "tile 8 waited: its lease ended with the session";
+  EXPECT_EQ(engine_.tiles, 2);
+}
+
+TEST_F(WorkerAdoptionTest, WhatIsNotAdoptedIsDroppedButForTheTileUnderWay) {
+  BreakInMidLease();
+  v1::CoordinatorMessage message;
+  message.mutable_adopted();
+  coordinator_.Send(message);
+  coordinator_.Grant(50, "job-1", 0, {3});  // Once this is named, what came before has been read.
+  coordinator_.WaitFor(
+      [](const State& s) { return !s.heartbeats.empty() && s.heartbeats.back().size() == 1; });
+  go_on_.Notify();
+  const State state = coordinator_.WaitFor([](const State& s) { return s.results.size() == 2; });
+  EXPECT_EQ(TilesOf(state.results), (std::multiset<uint32_t>{3, 7}));
+  worker_->Drain();
+  EXPECT_TRUE(worker_->Wait().ok());
+  EXPECT_EQ(engine_.tiles, 2);
 }
 
 TEST_F(WorkerSessionTest, HeartbeatsGoOnDuringALongTile) {

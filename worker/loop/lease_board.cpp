@@ -1,6 +1,7 @@
 #include "worker/loop/lease_board.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "common/base/check.h"
 
@@ -11,14 +12,22 @@ bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, 
   bool progress = false;
   {
     absl::MutexLock lock(&mutex_);
-    const auto count = uint32_t(tiles.size());
     if (tiles.empty()) {
       progress = true;  // Nothing to do: its credit is free at once.
-    } else if (!leases_.try_emplace(lease_id, Lease{count, count}).second) {
+    } else if (!tickets_.try_emplace(lease_id, next_ticket_).second) {
       return false;
     } else {
+      const uint64_t ticket = next_ticket_++;
+      Lease& lease = leases_[ticket];
+      lease.job = job;
+      lease.frame = frame;
+      lease.lease_id = lease_id;
+      lease.unrendered = tiles.size();
+      for (const uint32_t tile : tiles) {
+        lease.tiles.push_back({tile, false});
+        waiting_.push_back({job, ticket, lease_id, session_, frame, tile});
+      }
       ++unrendered_leases_;
-      for (const uint32_t tile : tiles) waiting_.push_back({job, lease_id, session_, frame, tile});
     }
   }
   if (progress && on_progress_) on_progress_();
@@ -41,11 +50,19 @@ void LeaseBoard::Rendered(const TileTask& task) {
     absl::MutexLock lock(&mutex_);
     SL_CHECK(taken_ > 0);
     --taken_;
-    // A lease that was revoked meanwhile, or belongs to a session that is over, is not here any more.
-    Lease* const lease = FindLocked(task);
-    if (lease != nullptr && lease->unrendered > 0 && --lease->unrendered == 0) {
-      --unrendered_leases_;
-      progress = true;
+    // The lease may have been revoked meanwhile, or the tile not been adopted with it.
+    const auto lease = leases_.find(task.ticket);
+    if (lease != leases_.end()) {
+      std::vector<Tile>& tiles = lease->second.tiles;
+      const auto tile = std::find_if(tiles.begin(), tiles.end(),
+                                     [&](const Tile& t) { return t.tile == task.tile && !t.rendered; });
+      if (tile != tiles.end()) {
+        tile->rendered = true;
+        if (--lease->second.unrendered == 0) {
+          --unrendered_leases_;
+          progress = true;
+        }
+      }
     }
     progress |= taken_ == 0 && waiting_.empty();
   }
@@ -54,40 +71,94 @@ void LeaseBoard::Rendered(const TileTask& task) {
 
 void LeaseBoard::Acknowledged(const TileTask& task) {
   absl::MutexLock lock(&mutex_);
-  Lease* const lease = FindLocked(task);
-  if (lease == nullptr) return;
-  if (lease->unacknowledged > 0) --lease->unacknowledged;
-  if (lease->unacknowledged == 0 && lease->unrendered == 0) leases_.erase(task.lease_id);
+  const auto lease = leases_.find(task.ticket);
+  if (lease == leases_.end()) return;
+  std::vector<Tile>& tiles = lease->second.tiles;
+  const auto tile = std::find_if(tiles.begin(), tiles.end(),
+                                 [&](const Tile& t) { return t.tile == task.tile && t.rendered; });
+  if (tile != tiles.end()) tiles.erase(tile);
+  if (tiles.empty()) EraseLocked(lease);
 }
 
-LeaseBoard::Lease* LeaseBoard::FindLocked(const TileTask& task) {
-  if (task.session != session_) return nullptr;
-  const auto lease = leases_.find(task.lease_id);
-  return lease == leases_.end() ? nullptr : &lease->second;
+void LeaseBoard::EraseLocked(Leases::iterator lease) {
+  if (lease->second.unrendered > 0) --unrendered_leases_;
+  if (lease->second.lease_id) tickets_.erase(*lease->second.lease_id);
+  leases_.erase(lease);
+}
+
+void LeaseBoard::DropWaitingLocked() {
+  std::erase_if(waiting_, [this](const TileTask& task) ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    const auto lease = leases_.find(task.ticket);
+    if (lease == leases_.end()) return true;
+    return std::none_of(lease->second.tiles.begin(), lease->second.tiles.end(),
+                        [&](const Tile& t) { return t.tile == task.tile && !t.rendered; });
+  });
 }
 
 void LeaseBoard::Revoke(std::span<const uint64_t> lease_ids) {
   {
     absl::MutexLock lock(&mutex_);
     for (const uint64_t id : lease_ids) {
-      const auto lease = leases_.find(id);
-      if (lease == leases_.end()) continue;
-      if (lease->second.unrendered > 0) --unrendered_leases_;
-      leases_.erase(lease);
+      const auto ticket = tickets_.find(id);
+      if (ticket != tickets_.end()) EraseLocked(leases_.find(ticket->second));
     }
-    std::erase_if(waiting_, [&](const TileTask& task) {
-      return std::find(lease_ids.begin(), lease_ids.end(), task.lease_id) != lease_ids.end();
-    });
+    DropWaitingLocked();
   }
   if (on_progress_) on_progress_();
 }
 
-void LeaseBoard::Clear() {
+void LeaseBoard::Suspend() {
   absl::MutexLock lock(&mutex_);
-  leases_.clear();
-  waiting_.clear();
-  unrendered_leases_ = 0;
+  for (auto& [ticket, lease] : leases_) lease.lease_id.reset();
+  tickets_.clear();
   ++session_;
+}
+
+std::vector<LeaseBoard::Held> LeaseBoard::Suspended() const {
+  absl::MutexLock lock(&mutex_);
+  std::vector<Held> held;
+  for (const auto& [ticket, lease] : leases_) {
+    if (lease.lease_id) continue;
+    Held& one = held.emplace_back(Held{ticket, lease.job, lease.frame, {}});
+    for (const Tile& tile : lease.tiles) one.tiles.push_back(tile.tile);
+  }
+  return held;
+}
+
+bool LeaseBoard::Adopt(uint64_t ticket, uint64_t lease_id, std::span<const uint32_t> tiles) {
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto found = leases_.find(ticket);
+    if (found == leases_.end() || found->second.lease_id) return false;
+    if (!tickets_.try_emplace(lease_id, ticket).second) return false;
+    Lease& lease = found->second;
+    lease.lease_id = lease_id;
+    const bool was_unrendered = lease.unrendered > 0;
+    std::erase_if(lease.tiles, [&](const Tile& tile) {
+      return std::find(tiles.begin(), tiles.end(), tile.tile) == tiles.end();
+    });
+    lease.unrendered = size_t(std::count_if(lease.tiles.begin(), lease.tiles.end(),
+                                            [](const Tile& tile) { return !tile.rendered; }));
+    if (was_unrendered && lease.unrendered == 0) --unrendered_leases_;
+    if (lease.tiles.empty()) EraseLocked(found);
+    DropWaitingLocked();
+  }
+  if (on_progress_) on_progress_();
+  return true;
+}
+
+void LeaseBoard::DropSuspended() {
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto lease = leases_.begin(); lease != leases_.end();) {
+      const auto next = std::next(lease);
+      const uint64_t next_ticket = next == leases_.end() ? 0 : next->first;
+      if (!lease->second.lease_id) EraseLocked(lease);
+      lease = next_ticket == 0 ? leases_.end() : leases_.find(next_ticket);
+    }
+    DropWaitingLocked();
+  }
+  if (on_progress_) on_progress_();
 }
 
 uint64_t LeaseBoard::session() const {
@@ -103,8 +174,8 @@ void LeaseBoard::Close() {
 std::vector<uint64_t> LeaseBoard::LiveLeases() const {
   absl::MutexLock lock(&mutex_);
   std::vector<uint64_t> ids;
-  ids.reserve(leases_.size());
-  for (const auto& [id, lease] : leases_) ids.push_back(id);
+  ids.reserve(tickets_.size());
+  for (const auto& [id, ticket] : tickets_) ids.push_back(id);
   return ids;
 }
 

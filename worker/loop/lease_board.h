@@ -18,12 +18,15 @@ namespace shutterline::worker {
 
 /// The leases that a worker holds, and their tiles that wait for a thread.
 ///
-///     Grant (Take Rendered)* Acknowledged*  |  Revoke  |  Clear
+///     Grant (Take Rendered)* Acknowledged*  |  Revoke  |  Suspend (Adopt | DropSuspended)
 ///
 /// A lease is *unrendered* until all its tiles have been rendered: that many leases occupy credit. It is
 /// *live* until all its tiles have been acknowledged as well: heartbeats name it. Tiles leave in the order
-/// in which they were granted. Lease ids mean something within a session only, from Clear to Clear; a tile
-/// that was taken in an earlier one may still be reported and changes nothing. Thread-safe.
+/// in which they were granted.
+///
+/// Lease ids mean something within a session only, from Suspend to Suspend. A session's end suspends its
+/// leases: threads go on with their tiles, for the next session may adopt them, under new ids; what it does
+/// not adopt is dropped. Thread-safe.
 class LeaseBoard {
  public:
   /// Called (without the board's lock) whenever a lease has been rendered or revoked, so that credit can
@@ -44,9 +47,22 @@ class LeaseBoard {
 
   /// Forgets leases; tiles of theirs that have not been taken are dropped.
   void Revoke(std::span<const uint64_t> lease_ids);
-  /// Forgets all leases: the session under which they were granted is over.
-  void Clear();
-  /// Number of sessions begun, by Clear.
+  /// The session is over: its leases wait for the next to adopt them.
+  void Suspend();
+  struct Held {
+    uint64_t ticket = 0;
+    std::shared_ptr<const WorkerJob> job;
+    int frame = 0;
+    std::vector<uint32_t> tiles;  ///< Not acknowledged.
+  };
+  /// The suspended leases.
+  std::vector<Held> Suspended() const;
+  /// A suspended lease lives on as `lease_id`, with those of its tiles that are among `tiles`. False, and
+  /// nothing happens, where there is no such lease.
+  bool Adopt(uint64_t ticket, uint64_t lease_id, std::span<const uint32_t> tiles);
+  /// Forgets the suspended leases, and drops their tiles that have not been taken.
+  void DropSuspended();
+  /// Number of sessions begun, by Suspend.
   uint64_t session() const;
   /// Take returns nothing from now on, in all threads.
   void Close();
@@ -58,18 +74,29 @@ class LeaseBoard {
   bool Idle() const;
 
  private:
-  struct Lease {
-    uint32_t unrendered = 0;
-    uint32_t unacknowledged = 0;
+  struct Tile {
+    uint32_t tile = 0;
+    bool rendered = false;
   };
+  struct Lease {
+    std::shared_ptr<const WorkerJob> job;
+    int frame = 0;
+    std::optional<uint64_t> lease_id;  ///< Unset: suspended.
+    std::vector<Tile> tiles;           ///< Not acknowledged.
+    size_t unrendered = 0;
+  };
+  using Leases = absl::btree_map<uint64_t, Lease>;  ///< By ticket.
 
-  /// The task's lease, if it is held; else null.
-  Lease* FindLocked(const TileTask& task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void EraseLocked(Leases::iterator lease) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Takes the tiles that no lease has any more out of those that wait.
+  void DropWaitingLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool CanTakeLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !waiting_.empty(); }
 
   std::function<void()> on_progress_;
   mutable absl::Mutex mutex_;
-  absl::btree_map<uint64_t, Lease> leases_ ABSL_GUARDED_BY(mutex_);
+  Leases leases_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_map<uint64_t, uint64_t> tickets_ ABSL_GUARDED_BY(mutex_);  ///< By lease id, of this session.
+  uint64_t next_ticket_ ABSL_GUARDED_BY(mutex_) = 1;
   std::deque<TileTask> waiting_ ABSL_GUARDED_BY(mutex_);
   uint64_t session_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t unrendered_leases_ ABSL_GUARDED_BY(mutex_) = 0;

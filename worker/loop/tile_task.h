@@ -29,7 +29,8 @@ struct WorkerJob {
 /// One tile that is to be rendered.
 struct TileTask {
   std::shared_ptr<const WorkerJob> job;
-  uint64_t lease_id = 0;  ///< Unique within a session; sessions may use numbers again.
+  uint64_t ticket = 0;    ///< The board's own number of the lease, which no other has.
+  uint64_t lease_id = 0;  ///< When it was granted. Unique within a session; sessions may use numbers again.
   uint64_t session = 0;   ///< Number of the board's session in which it was granted.
   int frame = 0;
   uint32_t tile = 0;

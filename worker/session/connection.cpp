@@ -111,6 +111,8 @@ void Connection::Handle(const v1::CoordinatorMessage& message) {
         jobs_.erase(job);
       }
       return;
+    case v1::CoordinatorMessage::kAdopted:
+      return board_.DropSuspended();
     case v1::CoordinatorMessage::kDrain:
       spdlog::info("coordinator is about to stop");
       return;
@@ -139,6 +141,7 @@ void Connection::HandleJob(const v1::JobDetails& details) {
 }
 
 void Connection::HandleGrant(const v1::Grant& grant) {
+  if (grant.adopts() != 0) return HandleAdoption(grant);
   const auto job = jobs_.find(grant.job_id());
   const bool taken = job != jobs_.end() && board_.Grant(job->second, grant.lease_id(), grant.frame(),
                                                         {grant.tiles().data(), size_t(grant.tiles().size())});
@@ -154,6 +157,17 @@ void Connection::HandleGrant(const v1::Grant& grant) {
   changed_.SignalAll();
 }
 
+void Connection::HandleAdoption(const v1::Grant& grant) {
+  if (board_.Adopt(grant.adopts(), grant.lease_id(), {grant.tiles().data(), size_t(grant.tiles().size())})) {
+    return;
+  }
+  // All of it has been acknowledged meanwhile.
+  absl::MutexLock lock(&mutex_);
+  to_return_.push_back(grant.lease_id());
+  woken_ = true;
+  changed_.SignalAll();
+}
+
 // --- Session, up ------------------------------------------------------------------------------------
 
 void Connection::Pulse() {
@@ -161,6 +175,13 @@ void Connection::Pulse() {
   v1::WorkerMessage open;
   open.mutable_open()->set_session_id(welcome_.session_id());
   open.mutable_open()->set_epoch(welcome_.epoch());
+  for (const LeaseBoard::Held& held : board_.Suspended()) {
+    v1::HeldLease& lease = *open.mutable_open()->add_held();
+    lease.set_ticket(held.ticket);
+    lease.set_job_id(held.job->id);
+    lease.set_frame(held.frame);
+    lease.mutable_tiles()->Add(held.tiles.begin(), held.tiles.end());
+  }
   if (!Write(open)) return;
   absl::Duration next_beat = clock_.Monotonic() + heartbeat_interval_;
   while (!ended_) {

@@ -54,6 +54,7 @@ class Connection {
   void Handle(const v1::CoordinatorMessage& message);
   void HandleJob(const v1::JobDetails& details);
   void HandleGrant(const v1::Grant& grant);
+  void HandleAdoption(const v1::Grant& grant);
 
   void Pulse();
   bool WriteDueLocked(absl::Duration& next_beat) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -150,8 +150,8 @@ absl::Status CoordinatorSession::RegisterAndServe() {
     absl::MutexLock lock(&mutex_);
     connection_ = nullptr;
   }
-  // The session's leases are over; tiles that threads are at will be delivered to the next one.
-  board_.Clear();
+  // The session's leases are over, but threads go on: the next session is asked to adopt what they are at.
+  board_.Suspend();
   return status;
 }
 

@@ -135,6 +135,9 @@ function numbersOf(job) {
                 [job.ended ? 'Took' : 'Since', seconds(Math.max(0, (to - from) / 1000))]];
   if (!ended(job)) rows.push(['Remaining', current.left == null ? '–' : `about ${seconds(current.left)}`]);
   if (!ended(job)) rows.push(['Workers', number(job.workers)]);
+  if (job.paused && !ended(job)) rows.push(['Paused', 'yes']);
+  for (const id of ended(job) ? [] : job.waits_for) rows.push(['Waits for', id]);
+  if (job.tiles_quarantined > 0) rows.push(['Missing tiles', number(job.tiles_quarantined), 'wrong']);
   if (job.mismatched_tiles > 0) rows.push(['Mismatched tiles', number(job.mismatched_tiles), 'wrong']);
   return rows;
 }

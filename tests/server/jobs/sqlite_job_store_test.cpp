@@ -43,7 +43,7 @@ TEST_F(SqliteJobStoreTest, EpochGrowsWithEveryStart) {
 }
 
 TEST_F(SqliteJobStoreTest, JobIsReadBackAsItWasWrittenAfterAReopen) {
-  const JobStore::Created created = store_->Create("request", Spec(3), now_).value();
+  const JobStore::Created created = store_->Create("request", Spec(3), {}, now_).value();
   EXPECT_TRUE(created.is_new);
   Reopen();
   const JobRecord job = store_->Get(created.job.id).value();
@@ -57,16 +57,16 @@ TEST_F(SqliteJobStoreTest, JobIsReadBackAsItWasWrittenAfterAReopen) {
 }
 
 TEST_F(SqliteJobStoreTest, SameRequestIsTheSameJob) {
-  const JobStore::Created first = store_->Create("request", Spec(3), now_).value();
-  const JobStore::Created second = store_->Create("request", Spec(4), now_).value();
+  const JobStore::Created first = store_->Create("request", Spec(3), {}, now_).value();
+  const JobStore::Created second = store_->Create("request", Spec(4), {}, now_).value();
   EXPECT_FALSE(second.is_new);
   EXPECT_EQ(second.job.id, first.job.id);
   EXPECT_EQ(second.job.spec, Spec(3));
 }
 
 TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
-  const JobRecord a = store_->Create("a", Spec(1), now_)->job;
-  const JobRecord b = store_->Create("b", Spec(1), now_)->job;
+  const JobRecord a = store_->Create("a", Spec(1), {}, now_)->job;
+  const JobRecord b = store_->Create("b", Spec(1), {}, now_)->job;
   RenderStats stats;
   stats.tiles = 12;
   stats.cull_seconds = 0.5;

@@ -127,7 +127,7 @@ TEST_F(TileSchedulerTest, WorkersSpreadOverFramesStayThereAndJoinWhenFramesRunOu
   EXPECT_EQ(scheduler_.Grant(1)->frame, 1);
 }
 
-TEST_F(TileSchedulerTest, OlderJobComesFirst) {
+TEST_F(TileSchedulerTest, OlderJobOfOneUserComesFirst) {
   scheduler_.AddJob(7, 1, 1, 1);
   scheduler_.AddJob(3, 1, 1, 1);
   scheduler_.AddWorker(1, "a", 1);
@@ -151,43 +151,100 @@ TEST_F(TileSchedulerTest, LateResultOfAnExpiredLeaseCountsOnceAndFreesTheNewOne)
   EXPECT_EQ(scheduler_.Find(1)->remaining(), 0);
 }
 
-TEST_F(TileSchedulerTest, TileThatFailsThreeTimesPoisonsItsJobAndOthersDoNot) {
+TEST_F(TileSchedulerTest, TileThatALoneWorkerFailsThreeTimesIsQuarantinedWithEvidence) {
   scheduler_.AddJob(1, 1, 2, 1);
-  scheduler_.AddWorker(1, "a", 1);
+  scheduler_.AddWorker(1, "a", 1, "boot", "host a");
   const uint32_t bad = scheduler_.Grant(1)->tiles[0];
+  std::optional<Quarantined> quarantined;
   for (int i = 1; i <= 3; ++i) {
-    const std::optional<PoisonedTile> poison = scheduler_.Fail(1, 0, bad, 1, "no memory");
-    EXPECT_EQ(poison.has_value(), i == 3);
-    if (poison) {
-      EXPECT_EQ(poison->reason, "no memory");
-      break;
+    quarantined = scheduler_.Fail(1, 0, bad, 1, absl::StrCat("no memory ", i));
+    ASSERT_EQ(quarantined.has_value(), i == 3);
+    // What came back comes first, until it is given up.
+    if (i < 3) {
+      ASSERT_EQ(scheduler_.Grant(1)->tiles, std::vector<uint32_t>{bad});
     }
-    ASSERT_EQ(scheduler_.Grant(1)->tiles, std::vector<uint32_t>{bad});  // What came back comes first.
   }
+  EXPECT_EQ(quarantined->tile, bad);
+  ASSERT_EQ(quarantined->evidence.size(), 3u);
+  EXPECT_EQ(quarantined->evidence[2], (TileTrouble{"a", "host a", false, "no memory 3", clock_.Wall()}));
+  Finish(*scheduler_.Grant(1), absl::Seconds(1));
+  EXPECT_EQ(scheduler_.Find(1)->remaining(), 0);
+  EXPECT_EQ(scheduler_.Find(1)->quarantined(), 1);
+  EXPECT_FALSE(scheduler_.Complete(1, 0, bad, 1, absl::Seconds(1)));  // Final, until it is released.
+  EXPECT_EQ(scheduler_.Find(1)->Release(), (std::vector<std::pair<int, uint32_t>>{{0, bad}}));
+  Finish(*scheduler_.Grant(1), absl::Seconds(1));
+  EXPECT_EQ(scheduler_.Find(1)->DoneInFrame(0), 2);
 }
 
-TEST_F(TileSchedulerTest, CrashLoopingWorkerBlamesOnlyWhatItRenderedAndPoisonsNothingAlone) {
+TEST_F(TileSchedulerTest, WhatAWorkerHasFailedGoesToAnotherThatAsksForWork) {
+  scheduler_.AddJob(1, 1, 2, 1);
+  scheduler_.AddWorker(1, "a", 1);
+  scheduler_.AddWorker(2, "b", 1);
+  const uint32_t bad = scheduler_.Grant(1)->tiles[0];
+  const Lease other = *scheduler_.Grant(2);
+  EXPECT_FALSE(scheduler_.Fail(1, 0, bad, 1, "broken disk").has_value());
+  EXPECT_FALSE(scheduler_.Fail(1, 0, bad, 1, "again, unasked").has_value());  // It holds the tile no longer.
+  EXPECT_FALSE(scheduler_.Fail(1, 0, bad, 1, "again, unasked").has_value());
+  EXPECT_FALSE(scheduler_.Grant(1).has_value());
+  Finish(other, absl::Seconds(1));
+  EXPECT_EQ(scheduler_.Grant(2)->tiles, std::vector<uint32_t>{bad});
+  EXPECT_FALSE(scheduler_.Fail(1, 0, bad, 2, "too").has_value());
+  EXPECT_TRUE(scheduler_.Grant(1).has_value());  // Both have failed it: it is anybody's.
+}
+
+TEST_F(TileSchedulerTest, WorkerThatFailsThreeTilesOfAJobGetsNoMoreOfItWhileOthersWould) {
+  scheduler_.AddJob(1, 1, 8, 8);
+  scheduler_.AddWorker(1, "broken", 1);
+  scheduler_.AddWorker(2, "good", 1);
+  std::vector<Lease> good = {*scheduler_.Grant(2)};
+  for (int i = 0; i < 3; ++i) {
+    const Lease lease = *scheduler_.Grant(1);
+    ASSERT_EQ(lease.job, 1u);
+    EXPECT_FALSE(scheduler_.Fail(1, 0, lease.tiles[0], 1, "no such instruction").has_value());
+  }
+  EXPECT_FALSE(scheduler_.Grant(1).has_value());
+  scheduler_.AddJob(2, 1, 1, 1);
+  EXPECT_EQ(scheduler_.Grant(1)->job, 2u);  // Another job is another matter.
+  EXPECT_FALSE(scheduler_.Grant(1).has_value());
+  scheduler_.RemoveWorker(2);
+  EXPECT_EQ(scheduler_.Grant(1)->job, 1u);  // Nobody else is left.
+}
+
+TEST_F(TileSchedulerTest, CrashLoopingWorkerBlamesOnlyWhatItRenderedAndQuarantinesNothingAlone) {
   scheduler_.AddJob(1, 1, 8, 8);
   Finish((scheduler_.AddWorker(1, "good", 1), *scheduler_.Grant(1)), absl::Milliseconds(25));
-  // One machine that crashes and comes back, ten times: it is one and the same.
-  for (WorkerId id = 10; id < 20; ++id) {
-    scheduler_.AddWorker(id, "crashing", 1);
+  // One machine that crashes and comes back, nine times: it is one and the same.
+  for (WorkerId id = 10; id < 19; ++id) {
+    scheduler_.AddWorker(id, "crashing", 1, absl::StrCat("boot ", id));
     ASSERT_TRUE(scheduler_.Grant(id).has_value());
-    scheduler_.LoseWorker(id);
-    clock_.Advance(absl::Seconds(1));
-    scheduler_.Renew(1, {});
-    EXPECT_TRUE(scheduler_.Expire().poisoned.empty());
+    if (id % 2 == 0) {
+      scheduler_.LoseWorker(id);
+      clock_.Advance(absl::Seconds(1));
+      scheduler_.Renew(1, {});
+      EXPECT_TRUE(scheduler_.Expire().quarantined.empty());
+    } else {
+      EXPECT_TRUE(scheduler_.BuryWorker(id).empty());
+    }
   }
   while (const std::optional<Lease> lease = scheduler_.Grant(1)) Finish(*lease, absl::Milliseconds(25));
   EXPECT_EQ(scheduler_.Find(1)->remaining(), 0);
 }
 
-TEST_F(TileSchedulerTest, TileThatKillsFiveWorkersPoisonsItsJobAndIsLeasedAloneBefore) {
+TEST_F(TileSchedulerTest, LoneWorkerThatDiesOfATileTenTimesIsSparedTheEleventh) {
+  scheduler_.AddJob(1, 1, 1, 1);
+  for (WorkerId id = 1; id <= 10; ++id) {
+    scheduler_.AddWorker(id, "alone", 1, absl::StrCat("boot ", id));
+    ASSERT_TRUE(scheduler_.Grant(id).has_value());
+    EXPECT_EQ(scheduler_.BuryWorker(id).size(), id == 10 ? 1u : 0u);
+  }
+}
+
+TEST_F(TileSchedulerTest, TileThatKillsThreeWorkersIsQuarantinedAndLeasedAloneBefore) {
   scheduler_.AddJob(1, 1, 8, 8);
   Finish((scheduler_.AddWorker(1, "good", 1), *scheduler_.Grant(1)), absl::Milliseconds(25));
-  std::vector<PoisonedTile> poisoned;
+  std::vector<Quarantined> quarantined;
   uint32_t suspect = 0;
-  for (int death = 1; death <= 5; ++death) {
+  for (int death = 1; death <= 3; ++death) {
     const WorkerId id = WorkerId(10 + death);
     scheduler_.AddWorker(id, absl::StrCat("w", death), 1);
     const std::optional<Lease> lease = scheduler_.Grant(id);
@@ -198,11 +255,29 @@ TEST_F(TileSchedulerTest, TileThatKillsFiveWorkersPoisonsItsJobAndIsLeasedAloneB
     }
     scheduler_.LoseWorker(id);
     clock_.Advance(absl::Seconds(1));
-    poisoned = scheduler_.Expire().poisoned;
-    EXPECT_EQ(poisoned.size(), death == 5 ? 1u : 0u);
+    quarantined = scheduler_.Expire().quarantined;
+    EXPECT_EQ(quarantined.size(), death == 3 ? 1u : 0u);
   }
-  ASSERT_EQ(poisoned.size(), 1u);
-  EXPECT_EQ(poisoned[0].tile, suspect);
+  ASSERT_EQ(quarantined.size(), 1u);
+  EXPECT_EQ(quarantined[0].tile, suspect);
+  ASSERT_EQ(quarantined[0].evidence.size(), 3u);
+  EXPECT_TRUE(quarantined[0].evidence[1].worker_ended);
+  EXPECT_EQ(quarantined[0].evidence[1].worker_uuid, "w2");
+}
+
+TEST_F(TileSchedulerTest, WorkerThatComesBackWasNotKilled) {
+  scheduler_.AddJob(1, 1, 1, 1);
+  for (WorkerId id = 1; id <= 9; id += 3) {
+    // A network that flaps: three workers are cut off at the same tile, and come back.
+    for (WorkerId worker = id; worker < id + 3; ++worker) {
+      const std::string name = absl::StrCat("w", worker - id);
+      scheduler_.AddWorker(worker, name, 1, name + " boot");
+    }
+    ASSERT_TRUE(scheduler_.Grant(id + id / 3).has_value());
+    for (WorkerId worker = id; worker < id + 3; ++worker) scheduler_.LoseWorker(worker);
+    clock_.Advance(absl::Seconds(1));
+    EXPECT_TRUE(scheduler_.Expire().quarantined.empty());
+  }
 }
 
 TEST_F(TileSchedulerTest, RemovedJobEndsItsLeasesAndIgnoresResults) {
@@ -213,7 +288,7 @@ TEST_F(TileSchedulerTest, RemovedJobEndsItsLeasesAndIgnoresResults) {
   ASSERT_EQ(ended.size(), 1u);
   EXPECT_EQ(ended[0].id, lease.id);
   EXPECT_FALSE(scheduler_.Complete(1, 0, 0, 1, absl::Seconds(1)));
-  EXPECT_EQ(scheduler_.Fail(1, 0, 0, 1, "late"), std::nullopt);
+  EXPECT_FALSE(scheduler_.Fail(1, 0, 0, 1, "late").has_value());
 }
 
 TEST_F(TileSchedulerTest, LostPixelsAreRenderedAgain) {
@@ -238,7 +313,7 @@ TEST(TileSchedulerPropertyTest, EachTileIsDoneExactlyOnceUnderRandomSchedules) {
     FakeClock clock;
     SchedulerOptions options;
     options.max_tile_failures = 1'000'000;
-    options.max_tile_deaths = 1'000'000;
+    options.max_tile_deaths = options.max_deaths_at_all = 1'000'000;
     TileScheduler scheduler(clock, options);
     const int frames = 1 + below(4), columns = 1 + below(6), rows = 1 + below(6);
     scheduler.AddJob(1, frames, columns, rows);
