@@ -9,6 +9,7 @@
 #include "worker/engine/accel/bvh.h"
 #include "worker/engine/render/pixel_outputs.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/render/tile_texels.h"
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/shading/texel_shader.h"
 #include "worker/engine/visibility/resolver.h"
@@ -32,10 +33,10 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
                  std::shared_ptr<ShadingCache> cache, std::unique_ptr<const Bvh> bvh);
 
   /// What a triangle looks like, if a few colours say it.
-  std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
+  std::optional<ColorNodes> ColorsOf(uint32_t triangle, TileTexels& texels) const;
   double AlphaAt(uint32_t triangle, double b1, double b2, double t) const override;
   /// One colour that stands for the triangle.
-  V3f GuessOf(uint32_t triangle) const;
+  V3f GuessOf(uint32_t triangle, TileTexels& texels) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;
   /// `instants`: of a line, on average.
@@ -49,6 +50,7 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   std::unique_ptr<const Bvh> bvh_;
   Shader shader_;
   TexelShader texels_;
+  mutable TexelDesks desks_;
   PixelOutputs outputs_;
   std::unique_ptr<const Resolver> resolver_;
   std::vector<PrimitiveTraits> traits_;           ///< What shading needs.

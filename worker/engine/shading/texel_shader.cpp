@@ -47,6 +47,13 @@ Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, Re
   return shader_.ShadeFully(triangle, at, textured ? PixelFootprintAt(frame, triangle, at, t) : Footprint{});
 }
 
+Shaded TexelShader::ShadeSharing(uint32_t triangle, const Barycentric& at, double t,
+                                 RenderStats& stats) const {
+  const Triangle on = TriangleOf(triangle);
+  if (!on.levels.IsOneTexel()) return Shade(triangle, at, t, stats);
+  return ShadeTexel(on, Texel{}, Texel{}.KeyOf(triangle), stats);
+}
+
 Shaded TexelShader::ShadePoint(const Triangle& triangle, const Barycentric& at) const {
   return shader_.ShadeFully(triangle.number, at, PixelFootprint(triangle.corners, at));
 }

@@ -47,6 +47,8 @@ class TexelShader {
   std::optional<Texel> TexelOf(const Triangle& triangle, const Barycentric& at) const;
   Shaded ShadeTexel(const Triangle& triangle, const Texel& texel, const TexelKey& key,
                     RenderStats& stats) const;
+  /// Where there is a cache: has memory send what ShadeTexel will look for.
+  void Prefetch(const TexelKey& key) const { cache_.Prefetch(key); }
   /// A point of it that has no texel.
   Shaded ShadePoint(const Triangle& triangle, const Barycentric& at) const;
 
@@ -54,6 +56,8 @@ class TexelShader {
 
   /// A point that is seen at shutter time t, with texels or without.
   Shaded Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
+  /// The same, but a triangle within a pixel is one texel in any case.
+  Shaded ShadeSharing(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
 
  private:
   void Propagate(uint32_t triangle, Texel texel, const Shaded& shaded) const;

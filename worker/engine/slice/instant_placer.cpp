@@ -104,38 +104,34 @@ void InstantPlacer::ClipTriangles(size_t first) {
   clipped_.Pad();
 }
 
-LinePosition InstantPlacer::PositionOn(uint32_t index, int row) {
-  const uint32_t j = stratum_->NumberOf(index);
+void InstantPlacer::MakePlane(uint32_t j) {
   if (planes_.size() <= j) planes_.resize(stratum_->triangles().count);
   Plane& plane = planes_[j];
-  if (plane.instant != instant_) {
-    plane.instant = instant_;
-    // Homogeneous edge functions: with corners V_i = (X, Y, W), V_j × V_k is zero along the edge jk, and over
-    // the determinant it is the barycentric coordinate of corner i over w.
-    std::array<V3d, 3> corner;
-    for (size_t i = 0; i < 3; ++i) {
-      const auto at = stratum_->HomogeneousAt(size_t(stratum_->triangles().vertex[i][j]), t_);
-      corner[i] = {at[0], at[1], at[3]};
-    }
-    const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
-                                  corner[0].cross(corner[1])};
-    const double inverse = 1 / corner[0].dot(edge[0]);
-    plane.edge_on = !std::isfinite(inverse);
-    plane.over_w = {edge[1] * inverse, edge[2] * inverse, (edge[0] + edge[1] + edge[2]) * inverse};
+  plane.instant = instant_;
+  // Homogeneous edge functions: with corners V_i = (X, Y, W), V_j × V_k is zero along the edge jk, and over
+  // the determinant it is the barycentric coordinate of corner i over w.
+  std::array<V3d, 3> corner;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto at = stratum_->HomogeneousAt(size_t(stratum_->triangles().vertex[i][j]), t_);
+    corner[i] = {at[0], at[1], at[3]};
   }
-  LinePosition position;
-  if (plane.edge_on) return position;  // Any place will do.
-  // Along the line, minor = slope · major + (row + intercept).
+  const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
+                                corner[0].cross(corner[1])};
+  const double inverse = 1 / corner[0].dot(edge[0]);
+  if (!std::isfinite(inverse)) {  // Seen edge-on: any place will do.
+    plane.constant = LinePosition().at;
+    plane.per_minor = plane.per_pixel = {0, 0, 0};
+    return;
+  }
+  const std::array<V3d, 3> over_w{edge[1] * inverse, edge[2] * inverse,
+                                  (edge[0] + edge[1] + edge[2]) * inverse};
   const LineAxes& axes = lines_->axes;
-  const double minor = row + axes.intercept;
   for (size_t c = 0; c < 3; ++c) {
-    const V3d& p = plane.over_w[c];
-    const double per_major = axes.major_is_x ? p.x : p.y;
-    const double per_minor = axes.major_is_x ? p.y : p.x;
-    position.at[c] = per_minor * minor + p.z;
-    position.per_pixel[c] = per_major + axes.slope * per_minor;
+    const double per_major = axes.major_is_x ? over_w[c].x : over_w[c].y;
+    plane.per_minor[c] = axes.major_is_x ? over_w[c].y : over_w[c].x;
+    plane.per_pixel[c] = per_major + axes.slope * plane.per_minor[c];
+    plane.constant[c] = over_w[c].z;
   }
-  return position;
 }
 
 }  // namespace shutterline::engine

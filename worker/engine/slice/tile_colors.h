@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/engine/slice/line_position.h"
 #include "worker/engine/slice/tile_mesh.h"
 #include "worker/engine/visibility/color_film.h"
+#include "worker/engine/visibility/line_position.h"
 
 namespace shutterline::engine {
 
@@ -43,10 +43,10 @@ class TileColors {
   /// Has KindOf been asked of it?
   bool WasSeen(uint32_t index) const { return kinds_[index] != ColorKind::kUnknown; }
 
-  /// Is the film asked for its colour, point by point?
-  bool IsByPoints(uint32_t index) const {
-    return kinds_[index] == ColorKind::kSmooth && smooth_[index].by_points;
-  }
+  /// Of one that was seen: does the film's PointColors know its colour?
+  bool IsByPoints(uint32_t index) const { return smooth_[index].by_points; }
+  /// Its number there, if it is kSmooth.
+  uint32_t PreparedOf(uint32_t index) const { return smooth_[index].prepared; }
 
   /// Of a constant one.
   const Color& ColorOf(uint32_t index) const { return colors_[index]; }
@@ -63,6 +63,7 @@ class TileColors {
 
   void Shade(uint32_t index);
   void ShadeByPoints(uint32_t index);
+  void SetConstant(uint32_t index, const V3f& color);
 
   const TileMesh* mesh_ = nullptr;
   ColorFilm* film_ = nullptr;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
 #include "common/math/spaces.h"
+#include "worker/engine/visibility/line_position.h"
 
 namespace shutterline::engine {
 
@@ -10,14 +13,24 @@ namespace shutterline::engine {
 /// Of one tile and one thread.
 class PointColors {
  public:
+  using Color = std::array<double, 4>;  ///< Radiance and coverage.
+
   virtual ~PointColors() = default;
 
   /// Whether the triangle of the frame is one of these.
   virtual bool Has(uint32_t triangle) const = 0;
-  /// A number under which one of these is asked for.
+  /// The radiance of one of these all over it, if it is the same.
+  virtual std::optional<V3f> ColorOfAll(uint32_t triangle) = 0;
+  /// A number under which one of these is asked for point by point.
   virtual uint32_t Prepare(uint32_t triangle) = 0;
   /// The radiance there, at barycentric coordinates.
   virtual V3f At(uint32_t prepared, double b1, double b2) = 0;
+  /// Adds what a line sees between subpixels `begin` and `end` to the sums of its steps: of each step the
+  /// colour at the middle of its part, times the part's subpixels and `weight`. It may do so as late as in
+  /// Finish, but for each sum in the order in which it is called.
+  virtual void AddAlong(uint32_t prepared, const LinePosition& position, int32_t begin, int32_t end,
+                        double weight, Color* sums_of_line) = 0;
+  virtual void Finish() = 0;
 };
 
 }  // namespace shutterline::engine
