@@ -82,8 +82,8 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
   TileTexels tile_texels(texels_, desks_, stats);
-  ColorFilm film([&](uint32_t triangle) { return ColorsOf(triangle, tile_texels); },
-                 [&](uint32_t triangle) { return GuessOf(triangle, tile_texels); }, &tile_texels);
+  ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
+                 [this](uint32_t triangle) { return GuessOf(triangle); }, &tile_texels);
   if (!outputs_.empty()) film.KeepPairs();
   const int64_t lines_before = stats.lines, instants_before = stats.instants;
   resolver_->Resolve({*frame_, required_traits_, part, candidates, this}, weights, &film, stats);
@@ -95,15 +95,12 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
   timer.Lap(stats.shade_seconds);
 }
 
-std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle, TileTexels& texels) const {
+std::optional<ColorNodes> LineIntegrator::ColorsOf(uint32_t triangle) const {
   const uint32_t primitive = frame_->triangles[triangle].primitive;
   const PrimitiveTraits& traits = traits_[primitive];
   // A highlight is narrower than what a few points tell, and so is what occludes.
   if (traits.textured || traits.glossy || shader_.IsDear(*frame_->primitives[primitive].material)) {
-    // What has texels is asked for them by the resolver.
-    if (texels.Has(triangle)) return std::nullopt;
-    const std::optional<V3f> color = texels.ColorOfAll(triangle);
-    return color ? std::optional(ColorNodes{.corners = {*color, *color, *color}}) : std::nullopt;
+    return std::nullopt;
   }
   const auto shade = [&](double b1, double b2) { return shader_.Shade(triangle, {b1, b2}, {}); };
   const V3f first = shade(0, 0);
@@ -134,9 +131,7 @@ double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t
   return shader_.Alpha(triangle, at, PixelFootprintAt(*frame_, triangle, at, t));
 }
 
-V3f LineIntegrator::GuessOf(uint32_t triangle, TileTexels& texels) const {
-  // What the picture will want is best.
-  if (const std::optional<V3f> color = texels.ColorOfAll(triangle)) return *color;
+V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1, .rough = true};
   return shader_.ShadeInTheOpen(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
@@ -147,6 +142,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
                                  RenderStats& stats) const {
   std::vector<Contribution> contributions;
   std::vector<SeenPair> seen;
+  TexelShader::Lately lately(shader_);
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
       // Shade each pair once.
@@ -159,7 +155,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         Shaded shaded;
         if (traits.needs_position) {
           const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), stats);
+          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), lately, stats);
         } else {
           shaded = shader_.ShadeFully(pair.triangle, {}, {});
         }

@@ -33,10 +33,10 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
                  std::shared_ptr<ShadingCache> cache, std::unique_ptr<const Bvh> bvh);
 
   /// What a triangle looks like, if a few colours say it.
-  std::optional<ColorNodes> ColorsOf(uint32_t triangle, TileTexels& texels) const;
+  std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
   double AlphaAt(uint32_t triangle, double b1, double b2, double t) const override;
   /// One colour that stands for the triangle.
-  V3f GuessOf(uint32_t triangle, TileTexels& texels) const;
+  V3f GuessOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;
   /// `instants`: of a line, on average.

@@ -135,7 +135,7 @@ void PixelOutputs::Write(std::span<const SeenPair> pairs, uint64_t total, double
     sample.position = frame.view.world_position + frame.view.WorldFromView(middle);
     if (Has(Aov::kMotion)) sample.motion = MotionOf(frame, pair.triangle, at);
     if (Has(Aov::kAmbientOcclusion)) {
-      sample.open = double(openness ? *openness : texels_.ShadeSharing(pair.triangle, at, t, stats).openness);
+      sample.open = double(openness ? *openness : texels_.Shade(pair.triangle, at, t, stats).openness);
     }
     if (!needs_surface_) continue;
     const Surface surface =

@@ -64,7 +64,6 @@ class TileTexels final : public PointColors {
   TileTexels(const TileTexels&) = delete;
 
   bool Has(uint32_t triangle) const override { return shader_.HasTexels(triangle); }
-  /// Also asked of triangles that have no texels, of which those within a pixel are one all the same.
   std::optional<V3f> ColorOfAll(uint32_t triangle) override;
   uint32_t Prepare(uint32_t triangle) override;
   V3f At(uint32_t prepared, double b1, double b2) override;

@@ -47,11 +47,16 @@ Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, Re
   return shader_.ShadeFully(triangle, at, textured ? PixelFootprintAt(frame, triangle, at, t) : Footprint{});
 }
 
-Shaded TexelShader::ShadeSharing(uint32_t triangle, const Barycentric& at, double t,
-                                 RenderStats& stats) const {
-  const Triangle on = TriangleOf(triangle);
-  if (!on.levels.IsOneTexel()) return Shade(triangle, at, t, stats);
-  return ShadeTexel(on, Texel{}, Texel{}.KeyOf(triangle), stats);
+Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, Lately& lately,
+                          RenderStats& stats) const {
+  if (HasTexels(triangle)) return Shade(triangle, at, t, stats);
+  const SurfaceTriangle& on = lately.Of(triangle);
+  Footprint footprint;
+  if (textured_[shader_.frame().triangles[triangle].primitive]) {
+    footprint = on.primitive->degree == 0 ? PixelFootprint(on.raster, at)
+                                          : PixelFootprintAt(shader_.frame(), triangle, at, t);
+  }
+  return shader_.ShadeFully(on, at, footprint);
 }
 
 Shaded TexelShader::ShadePoint(const Triangle& triangle, const Barycentric& at) const {

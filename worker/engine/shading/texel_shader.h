@@ -56,8 +56,24 @@ class TexelShader {
 
   /// A point that is seen at shutter time t, with texels or without.
   Shaded Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
-  /// The same, but a triangle within a pixel is one texel in any case.
-  Shaded ShadeSharing(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
+
+  /// Triangles that were looked at lately, for one thread: neighbouring pixels mostly see the same ones.
+  class Lately {
+   public:
+    explicit Lately(const Shader& shader) : shader_(shader) {}
+    const SurfaceTriangle& Of(uint32_t triangle) {
+      SurfaceTriangle& place = places_[triangle % kPlaces];
+      if (place.primitive == nullptr || place.number != triangle) place = shader_.TriangleOf(triangle);
+      return place;
+    }
+
+   private:
+    static constexpr size_t kPlaces = 32;
+    const Shader& shader_;
+    std::array<SurfaceTriangle, kPlaces> places_;
+  };
+  /// The same with their help.
+  Shaded Shade(uint32_t triangle, const Barycentric& at, double t, Lately& lately, RenderStats& stats) const;
 
  private:
   void Propagate(uint32_t triangle, Texel texel, const Shaded& shaded) const;

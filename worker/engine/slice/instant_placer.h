@@ -31,10 +31,8 @@ class InstantPlacer {
     const uint32_t j = stratum_->NumberOf(index);
     if (j >= planes_.size() || planes_[j].instant != instant_) MakePlane(j);
     const Plane& plane = planes_[j];
-    // Along the line, minor = slope · major + (row + intercept).
-    const double minor = row + lines_->axes.intercept;
     LinePosition position;
-    for (size_t c = 0; c < 3; ++c) position.at[c] = plane.per_minor[c] * minor + plane.constant[c];
+    for (size_t c = 0; c < 3; ++c) position.at[c] = plane.per_row[c] * row + plane.constant[c];
     position.per_pixel = plane.per_pixel;
     return position;
   }
@@ -42,7 +40,6 @@ class InstantPlacer {
  private:
   void PlaceClipped();
   void ClipTriangles(size_t first);
-  void MakePlane(uint32_t j);
 
   Stratum* stratum_ = nullptr;
   const LineClass* lines_ = nullptr;
@@ -59,8 +56,12 @@ class InstantPlacer {
   /// b0, over w.
   struct Plane {
     int64_t instant = -1;
-    std::array<double, 3> per_minor{}, constant{}, per_pixel{};
+    std::array<double, 3> per_row{}, constant{}, per_pixel{};
   };
+  void MakePlane(uint32_t j);
+  /// Where a triangle is seen edge-on, any place on it will do.
+  static void MakeAnywhere(Plane& plane);
+
   std::vector<Plane> planes_;  // By the stratum's number of the triangle.
   int64_t instant_ = 0;
 };
