@@ -21,6 +21,7 @@
 #include "server/assemble/tile_journal.h"
 #include "server/assets/blob_scene_source.h"
 #include "server/assets/disk_asset_store.h"
+#include "server/cameras/frame_cameras.h"
 #include "server/control/farm.h"
 #include "server/control/result_committer.h"
 #include "server/control/work_pool.h"
@@ -38,16 +39,17 @@ constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
 constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
 constexpr absl::Duration kTick = absl::Milliseconds(50);
 
-absl::Status CheckScene(const JobSpec& spec, AssetStore& assets) {
+absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
   const BlobSceneSource source(spec.scene, assets);
   SL_ASSIGN_OR_RETURN(const std::shared_ptr<const engine::Scene> scene, engine::ImportGltf(source));
-  return engine::ValidateAgainstScene(*scene, spec.render);
+  SL_RETURN_IF_ERROR(engine::ValidateAgainstScene(*scene, spec.render));
+  return cameras.Keep(spec, *scene);
 }
 
 /// A scene that cannot be rendered is the request's fault, whatever the importer calls it; troubles of our
 /// own disk are not.
-absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets) {
-  const absl::Status status = CheckScene(spec, assets);
+absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
+  const absl::Status status = CheckScene(spec, assets, cameras);
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kDataLoss:
@@ -84,6 +86,7 @@ class Coordinator::Impl {
   std::unique_ptr<SqliteJobStore> store_;
   std::unique_ptr<DiskAssetStore> assets_;
   std::unique_ptr<TileJournal> journal_;
+  FrameCameras cameras_;
   std::unique_ptr<Farm> farm_;
   std::unique_ptr<WorkPool> frames_pool_, pool_, submit_pool_;
   std::unique_ptr<ResultCommitter> committer_;
@@ -121,7 +124,12 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.frames_folder = frames_folder;
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
   parts.identity = identity_;
-  parts.check_scene = CheckSubmittedScene;
+  parts.check_scene = [this](const JobSpec& spec, AssetStore& assets) {
+    return CheckSubmittedScene(spec, assets, cameras_);
+  };
+  parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
+    return cameras_.At(spec, assets, frame);
+  };
   parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {
     return engine::ReadMatteNames(BlobSceneSource(spec.scene, assets));
   };

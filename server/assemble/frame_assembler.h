@@ -9,6 +9,7 @@
 
 #include "common/asset/digest.h"
 #include "common/cryptomatte/cryptomatte.h"
+#include "common/image/exr.h"
 #include "common/job/job_spec.h"
 #include "server/assemble/tile_journal.h"
 
@@ -22,13 +23,18 @@ struct AssembledFrame {
   std::vector<uint32_t> lost_tiles;
 };
 
-/// Tells what a job's mattes are named after.
-using MatteNamesSource = std::function<absl::StatusOr<MatteNames>()>;
+/// Tells what must be known of a frame beside its tiles.
+struct FrameFacts {
+  /// What the job's mattes are named after.
+  std::function<absl::StatusOr<MatteNames>()> names;
+  std::function<absl::StatusOr<CameraMatrices>()> camera;
+};
 
 /// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and durably.
-/// `names` is asked if the job has mattes. Equal tiles give equal bytes. Thread-safe for different frames.
+/// Of `facts`, names are asked for if the job has mattes. Equal tiles give equal bytes. Thread-safe for
+/// different frames.
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
-                                             const JobSpec& spec, const MatteNamesSource& names,
+                                             const JobSpec& spec, const FrameFacts& facts,
                                              const std::string& path);
 
 }  // namespace shutterline::server

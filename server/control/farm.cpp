@@ -201,9 +201,12 @@ void Farm::WriteFrame(const JobPtr& job, int index) {
   const std::string path = FramePath(*job, index);
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/'))));
-    const auto names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); };
+    const FrameFacts facts{
+        .names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); },
+        .camera = [&] { return parts_.camera(*job->spec(), *parts_.assets, number); },
+    };
     SL_ASSIGN_OR_RETURN(AssembledFrame frame,
-                        AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), names, path));
+                        AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), facts, path));
     if (frame.lost_tiles.empty()) {
       finished.digest = frame.digest;
       finished.size = frame.size;
