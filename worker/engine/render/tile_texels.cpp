@@ -14,6 +14,20 @@ int LevelOf(double cells) {
   return int(std::bit_cast<uint64_t>(cells) >> 52) - 1023;
 }
 
+/// Neighbours in a row of a triangle's texels are neighbours among what is near, and a window of them has
+/// places of its own.
+constexpr int kWindowLog2 = 6;
+constexpr uint32_t kNearMask = (uint32_t{1} << TexelDesk::kNearLog2) - 1;
+
+uint32_t CornerOf(uint32_t triangle, int level1, int level2) {
+  const auto levels = uint32_t(level1 << 5 | level2);
+  return ((triangle + (levels << 20)) * 0x9e3779b1u) >> (32 - TexelDesk::kNearLog2);
+}
+
+uint32_t PlaceOf(uint32_t corner, uint32_t i, uint32_t j) {
+  return (corner + i + (j << kWindowLog2)) & kNearMask;
+}
+
 }  // namespace
 
 std::unique_ptr<TexelDesk> TexelDesks::Take() {
@@ -33,6 +47,7 @@ TileTexels::TileTexels(const TexelShader& shader, TexelDesks& desks, RenderStats
     : shader_(shader), desks_(desks), stats_(stats), desk_(desks.Take()) {
   desk_->number_of.clear();
   desk_->triangles.clear();
+  desk_->even.clear();
 }
 
 const TexelShader::Triangle& TileTexels::Known(uint32_t triangle) {
@@ -49,7 +64,16 @@ std::optional<V3f> TileTexels::ColorOfAll(uint32_t triangle) {
 
 uint32_t TileTexels::Prepare(uint32_t triangle) {
   const auto [place, is_new] = desk_->number_of.try_emplace(triangle, uint32_t(desk_->triangles.size()));
-  if (is_new) desk_->triangles.push_back(Known(triangle));
+  if (!is_new) return place->second;
+  const TexelShader::Triangle& known = Known(triangle);
+  desk_->triangles.push_back(known);
+  TexelDesk::Even& even = desk_->even.emplace_back();
+  if (!known.levels.is_uniform()) return place->second;
+  const Texel first{.level1 = LevelOf(known.levels.columns()), .level2 = LevelOf(known.levels.rows())};
+  even = {.is_even = true,
+          .level2 = first.level2,
+          .key_low = first.KeyOf(triangle).low,
+          .corner = CornerOf(triangle, first.level1, first.level2)};
   return place->second;
 }
 
@@ -64,35 +88,30 @@ V3f TileTexels::RadianceOf(const TexelShader::Triangle& triangle, const Texel& t
   if (!shader_.HasCache()) return shader_.ShadeTexel(triangle, texel, key, stats_).radiance;
   if (desk_->near.empty()) desk_->near.resize(size_t{1} << TexelDesk::kNearLog2);
   TexelDesk::Near& near = NearOf(triangle.number, texel);
-  if (near.filled && near.key == key) {
+  if (near.key == key) {
     ++stats_.shading_requests;
     ++stats_.shading_hits;
     return near.radiance;
   }
-  near = {.key = key, .filled = true, .radiance = shader_.ShadeTexel(triangle, texel, key, stats_).radiance};
+  near = {.key = key, .radiance = shader_.ShadeTexel(triangle, texel, key, stats_).radiance};
   return near.radiance;
 }
 
 TexelDesk::Near& TileTexels::NearOf(uint32_t triangle, const Texel& texel) {
-  // Neighbours in a row of a triangle's texels are neighbours here, and a window of them has places of its
-  // own.
-  constexpr int kWindowLog2 = 6;
-  const uint32_t levels = uint32_t(texel.level1 << 5 | texel.level2);
-  const uint32_t corner = ((triangle + (levels << 20)) * 0x9e3779b1u) >> (32 - TexelDesk::kNearLog2);
-  return desk_->near[(corner + texel.i + (texel.j << kWindowLog2)) & ((1u << TexelDesk::kNearLog2) - 1)];
+  return desk_->near[PlaceOf(CornerOf(triangle, texel.level1, texel.level2), texel.i, texel.j)];
 }
 
-void TileTexels::AddAlong(uint32_t prepared, const LinePosition& position, int32_t begin, int32_t end,
-                          double weight, Color* sums_of_line) {
+void TileTexels::AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
+                          Color* sums_of_line) {
   TexelBatch& batch = desk_->batch;
-  if (batch.count + kMaxLinePixels > TexelBatch::kMost) Finish();
   const TexelLevelsOfTriangle& levels = desk_->triangles[prepared].levels;
-  for (int32_t at = begin; at < end;) {
-    const int step = at >> kSubpixelBits;
-    const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
+  const int part_bits = kSubpixelBits - piece.parts_log2;
+  for (int32_t at = piece.begin; at < piece.end;) {
+    if (batch.count == TexelBatch::kMost) Finish();
+    const auto next = int32_t(std::min<int64_t>(piece.end, ((int64_t{at} >> part_bits) + 1) << part_bits));
     // The colour in the middle of the part stands for its mean.
     const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
-    desk_->wanted[batch.count] = {prepared, weight * double(next - at), &sums_of_line[step]};
+    desk_->wanted[batch.count] = {prepared, weight * double(next - at), &sums_of_line[at >> kSubpixelBits]};
     batch.Add(position.at[0] + position.per_pixel[0] * l, position.at[1] + position.per_pixel[1] * l,
               position.at[2] + position.per_pixel[2] * l, levels);
     at = next;
@@ -107,40 +126,67 @@ Texel TileTexels::TexelOf(size_t k) const {
           .j = uint32_t(batch.j[k])};
 }
 
-void TileTexels::LookNear(size_t k) {
-  const TexelBatch& batch = desk_->batch;
-  const TexelShader::Triangle& triangle = desk_->triangles[desk_->wanted[k].prepared];
-  if (!(batch.columns[k] > 0)) {
-    desk_->radiance[k] = shader_.ShadePoint(triangle, {batch.b1[k], batch.b2[k]}).radiance;
+void TileTexels::LookNear(size_t k, const TexelKey& key, uint32_t place) {
+  const TexelDesk::Near& near = desk_->near[place];
+  if (near.key == key) {
+    desk_->radiance[k] = near.radiance;
     return;
   }
-  const Texel texel = TexelOf(k);
-  const TexelKey key = texel.KeyOf(triangle.number);
-  if (shader_.HasCache()) {
-    const TexelDesk::Near& near = NearOf(triangle.number, texel);
-    if (near.filled && near.key == key) {
-      desk_->radiance[k] = near.radiance;
-      ++stats_.shading_requests;
-      ++stats_.shading_hits;
-      return;
-    }
-    shader_.Prefetch(key);
-  }
+  shader_.Prefetch(key);
   desk_->keys[k] = key;
   desk_->missed[missed_++] = uint32_t(k);
+}
+
+void TileTexels::LookNear() {
+  const TexelBatch& batch = desk_->batch;
+  size_t without = 0;
+  for (size_t k = 0; k < batch.count; ++k) {
+    const uint32_t prepared = desk_->wanted[k].prepared;
+    const TexelDesk::Even& even = desk_->even[prepared];
+    if (even.is_even) {
+      const uint32_t i = uint32_t(batch.i[k]), j = uint32_t(batch.j[k]);
+      LookNear(k, Texel::KeyWith(even.key_low, even.level2, i, j), PlaceOf(even.corner, i, j));
+      continue;
+    }
+    const TexelShader::Triangle& triangle = desk_->triangles[prepared];
+    if (!(batch.columns[k] > 0)) {
+      desk_->radiance[k] = shader_.ShadePoint(triangle, {batch.b1[k], batch.b2[k]}).radiance;
+      ++without;
+      continue;
+    }
+    const Texel texel = TexelOf(k);
+    LookNear(k, texel.KeyOf(triangle.number),
+             PlaceOf(CornerOf(triangle.number, texel.level1, texel.level2), texel.i, texel.j));
+  }
+  const auto hits = int64_t(batch.count - without - missed_);
+  stats_.shading_requests += hits;
+  stats_.shading_hits += hits;
+}
+
+V3f TileTexels::ShadeWanted(size_t k) {
+  const TexelBatch& batch = desk_->batch;
+  const TexelShader::Triangle& triangle = desk_->triangles[desk_->wanted[k].prepared];
+  if (!(batch.columns[k] > 0)) return shader_.ShadePoint(triangle, {batch.b1[k], batch.b2[k]}).radiance;
+  const Texel texel = TexelOf(k);
+  return shader_.ShadeTexel(triangle, texel, texel.KeyOf(triangle.number), stats_).radiance;
 }
 
 void TileTexels::Finish() {
   TexelBatch& batch = desk_->batch;
   if (batch.count == 0) return;
   FindTexels(batch);
-  if (desk_->near.empty() && shader_.HasCache()) desk_->near.resize(size_t{1} << TexelDesk::kNearLog2);
-  missed_ = 0;
-  for (size_t k = 0; k < batch.count; ++k) LookNear(k);
-  // What is not near is asked for together, when memory has had time.
-  for (size_t m = 0; m < missed_; ++m) {
-    const size_t k = desk_->missed[m];
-    desk_->radiance[k] = RadianceOf(desk_->triangles[desk_->wanted[k].prepared], TexelOf(k), desk_->keys[k]);
+  if (shader_.HasCache()) {
+    if (desk_->near.empty()) desk_->near.resize(size_t{1} << TexelDesk::kNearLog2);
+    missed_ = 0;
+    LookNear();
+    // What is not near is asked for together, when memory has had time.
+    for (size_t m = 0; m < missed_; ++m) {
+      const size_t k = desk_->missed[m];
+      desk_->radiance[k] =
+          RadianceOf(desk_->triangles[desk_->wanted[k].prepared], TexelOf(k), desk_->keys[k]);
+    }
+  } else {
+    for (size_t k = 0; k < batch.count; ++k) desk_->radiance[k] = ShadeWanted(k);
   }
   for (size_t k = 0; k < batch.count; ++k) {
     const TexelDesk::Wanted& wanted = desk_->wanted[k];

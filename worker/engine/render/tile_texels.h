@@ -17,10 +17,10 @@ namespace shutterline::engine {
 
 /// What looking texels up needs of memory: for one thread at a time, tile after tile of one frame.
 struct TexelDesk {
+  static constexpr uint64_t kNothing = ~uint64_t{0};  ///< Low part of a key of a triangle that no frame has.
   /// A texel that was seen lately: the whole cache is larger than a processor's.
   struct Near {
-    TexelKey key;
-    bool filled = false;
+    TexelKey key{.low = kNothing};
     V3f radiance;
   };
   static constexpr int kNearLog2 = 13;  ///< 256 KiB.
@@ -30,6 +30,14 @@ struct TexelDesk {
   // Of a tile.
   absl::flat_hash_map<uint32_t, uint32_t> number_of;  ///< By triangle of the frame.
   std::vector<TexelShader::Triangle> triangles;
+  /// Of those whose levels are the same all over: what their texels' keys and places near have in common.
+  struct Even {
+    bool is_even = false;
+    int level2 = 0;
+    uint64_t key_low = 0;
+    uint32_t corner = 0;
+  };
+  std::vector<Even> even;  ///< By number of the triangle.
 
   // Points that are wanted.
   struct Wanted {
@@ -67,7 +75,7 @@ class TileTexels final : public PointColors {
   std::optional<V3f> ColorOfAll(uint32_t triangle) override;
   uint32_t Prepare(uint32_t triangle) override;
   V3f At(uint32_t prepared, double b1, double b2) override;
-  void AddAlong(uint32_t prepared, const LinePosition& position, int32_t begin, int32_t end, double weight,
+  void AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
                 Color* sums_of_line) override;
   void Finish() override;
 
@@ -75,9 +83,12 @@ class TileTexels final : public PointColors {
   const TexelShader::Triangle& Known(uint32_t triangle);
   V3f RadianceOf(const TexelShader::Triangle& triangle, const Texel& texel, const TexelKey& key);
   TexelDesk::Near& NearOf(uint32_t triangle, const Texel& texel);
-  /// The radiance of wanted point `k`, if it is near; else it is missed.
-  void LookNear(size_t k);
+  /// The radiance of wanted points that are near; the others are missed.
+  void LookNear();
+  void LookNear(size_t k, const TexelKey& key, uint32_t place);
   Texel TexelOf(size_t k) const;
+  /// Without a cache.
+  V3f ShadeWanted(size_t k);
 
   const TexelShader& shader_;
   TexelDesks& desks_;

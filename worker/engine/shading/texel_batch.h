@@ -11,7 +11,7 @@ namespace shutterline::engine {
 /// Points on projected triangles, gathered until there are enough for vectors to find the texels around them.
 /// Small enough to stay in the nearest cache.
 struct TexelBatch {
-  static constexpr size_t kMost = 192;
+  static constexpr size_t kMost = 128;
   template <typename T>
   using Array = std::array<T, kMost>;
 

@@ -23,8 +23,8 @@ void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LineP
                          double weight) {
   if (colors_->IsByPoints(index)) {
     if (!has_points_) BeginPoints();
-    colors_->film()->points().AddAlong(colors_->PreparedOf(index), position, begin, end, weight,
-                                       points_of_lane_);
+    colors_->film()->points().AddAlong(colors_->PreparedOf(index), position,
+                                       {begin, end, colors_->PartsLog2(index)}, weight, points_of_lane_);
     return;
   }
   for (int32_t at = begin; at < end;) {

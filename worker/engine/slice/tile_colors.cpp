@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/math/tolerance.h"
+
 namespace shutterline::engine {
 namespace {
 
@@ -115,6 +117,19 @@ TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& positi
   }
   color[3] = 1;
   return color;
+}
+
+TileColors::Color TileColors::MeanColor(uint32_t index, const LinePosition& position, int32_t begin,
+                                        int32_t end) const {
+  const int parts = IsByPoints(index) ? 1 << PartsLog2(index) : 1;
+  const double part = (double(end) - double(begin)) / (kSubpixelsPerPixel * double(parts));
+  Color mean{};
+  for (int i = 0; i < parts; ++i) {
+    const double l = double(begin) / kSubpixelsPerPixel + (i + 0.5) * part;
+    const Color color = ColorAt(index, position, l);
+    for (size_t c = 0; c < 4; ++c) mean[c] += color[c] / parts;
+  }
+  return mean;
 }
 
 }  // namespace shutterline::engine

@@ -48,10 +48,15 @@ class TileColors {
   /// Its number there, if it is kSmooth.
   uint32_t PreparedOf(uint32_t index) const { return smooth_[index].prepared; }
 
+  /// Along a line points are looked at once every 2^-PartsLog2 pixels. Where a triangle moves, its motion
+  /// blurs what lies between them.
+  int PartsLog2(uint32_t index) const { return mesh_->triangles()[index].moves ? 0 : 2; }
   /// Of a constant one.
   const Color& ColorOf(uint32_t index) const { return colors_[index]; }
   /// Of a smooth one at `l` pixels along a line. Rounding does not leave the triangle.
   Color ColorAt(uint32_t index, const LinePosition& position, double l) const;
+  /// The mean of a smooth one between two subpixels of a step.
+  Color MeanColor(uint32_t index, const LinePosition& position, int32_t begin, int32_t end) const;
 
  private:
   /// Coefficients of 1, b1, b2, b1², b1 b2, b2²; or the film is asked point by point.

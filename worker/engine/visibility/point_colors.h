@@ -25,11 +25,16 @@ class PointColors {
   virtual uint32_t Prepare(uint32_t triangle) = 0;
   /// The radiance there, at barycentric coordinates.
   virtual V3f At(uint32_t prepared, double b1, double b2) = 0;
-  /// Adds what a line sees between subpixels `begin` and `end` to the sums of its steps: of each step the
-  /// colour at the middle of its part, times the part's subpixels and `weight`. It may do so as late as in
-  /// Finish, but for each sum in the order in which it is called.
-  virtual void AddAlong(uint32_t prepared, const LinePosition& position, int32_t begin, int32_t end,
-                        double weight, Color* sums_of_line) = 0;
+  /// A piece of a line, subpixels, and how it is looked at: once every 2^-parts_log2 pixels.
+  struct Piece {
+    int32_t begin = 0, end = 0;
+    int parts_log2 = 0;
+  };
+  /// Adds what a line sees along a piece to the sums of its steps: of each part the colour in its middle,
+  /// times its subpixels and `weight`. It may do so as late as in Finish, but for each sum in the order in
+  /// which it is called.
+  virtual void AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
+                        Color* sums_of_line) = 0;
   virtual void Finish() = 0;
 };
 
