@@ -27,6 +27,7 @@
 #include "server/assets/metrics_asset_store.h"
 #include "server/auth/authorizer.h"
 #include "server/auth/server_credentials.h"
+#include "server/cameras/frame_cameras.h"
 #include "server/control/farm.h"
 #include "server/control/result_committer.h"
 #include "server/control/work_pool.h"
@@ -50,16 +51,17 @@ constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
 constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
 constexpr absl::Duration kTick = absl::Milliseconds(50);
 
-absl::Status CheckScene(const JobSpec& spec, AssetStore& assets) {
+absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
   const BlobSceneSource source(spec.scene, assets);
   SL_ASSIGN_OR_RETURN(const std::shared_ptr<const engine::Scene> scene, engine::ImportGltf(source));
-  return engine::ValidateAgainstScene(*scene, spec.render);
+  SL_RETURN_IF_ERROR(engine::ValidateAgainstScene(*scene, spec.render));
+  return cameras.Keep(spec, *scene);
 }
 
 /// A scene that cannot be rendered is the request's fault, whatever the importer calls it; troubles of our
 /// own disk are not.
-absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets) {
-  const absl::Status status = CheckScene(spec, assets);
+absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
+  const absl::Status status = CheckScene(spec, assets, cameras);
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kDataLoss:
@@ -101,6 +103,7 @@ class Coordinator::Impl {
   std::unique_ptr<MetricsAssetStore> counted_assets_;
   std::unique_ptr<TileJournal> journal_;
   std::unique_ptr<FrameThumbnails> thumbnails_;
+  FrameCameras cameras_;
   std::unique_ptr<Metrics> metrics_;
   Timeline timeline_;
   Throughput throughput_{clock_};
@@ -161,7 +164,12 @@ absl::Status Coordinator::Impl::OpenStores() {
       std::make_unique<Observers>(std::vector<FarmObserver*>{metrics_.get(), &timeline_, &throughput_});
   parts.observer = observers_.get();
   parts.identity = identity_;
-  parts.check_scene = CheckSubmittedScene;
+  parts.check_scene = [this](const JobSpec& spec, AssetStore& assets) {
+    return CheckSubmittedScene(spec, assets, cameras_);
+  };
+  parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
+    return cameras_.At(spec, assets, frame);
+  };
   parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {
     return engine::ReadMatteNames(BlobSceneSource(spec.scene, assets));
   };

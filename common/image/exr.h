@@ -27,14 +27,21 @@ struct FrameRate {
 /// The exact rate meant by a decimal one: 23.976 is 24000/1001, 24 is 24/1. `fps` is finite and > 0.
 FrameRate FrameRateOf(double fps);
 
+/// Where a picture's camera was, as OpenEXR has it, for row vectors.
+struct CameraMatrices {
+  M44d world_to_camera;  ///< Left-handed: x to the right, y up, z the way that the camera looks.
+  /// Divided by w: x and y are 0 at the picture's upper left corner and 1 at the lower right one.
+  M44d world_to_ndc;
+};
+
 /// What an EXR's header says of the frame besides its pixels. Absent values are not written; nothing else
 /// is, so equal pixels and equal metadata give equal bytes.
 struct ExrMetadata {
   float pixel_aspect_ratio = 1;
   std::optional<FrameRate> frames_per_second;
   std::string capture_date;             ///< capDate, local time "YYYY:MM:DD hh:mm:ss"; empty: not written.
-  std::optional<M44d> world_to_camera;  ///< Row vectors; the camera looks along −z. Stored as floats.
-  std::optional<M44d> world_to_ndc;     ///< Row vectors, to normalised device coordinates.
+  std::optional<M44d> world_to_camera;  ///< Of CameraMatrices; stored as floats.
+  std::optional<M44d> world_to_ndc;     ///< Likewise.
   /// Our own attributes by name ("shutterline:settings", "shutterline:build", "shutterline:scene"). Names
   /// are 1 to 255 bytes without NUL and none of those that the format reserves. When read: every string
   /// attribute of the file, capDate apart.

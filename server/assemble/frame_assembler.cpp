@@ -32,7 +32,7 @@ void Paste(absl::string_view pixels, const TileRect& rect, Image& image) {
 
 absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
                                         const JobSpec& spec, const std::set<uint32_t>& missing,
-                                        const MatteNamesSource& names_source, const std::string& path,
+                                        const FrameFacts& facts, const std::string& path,
                                         Durability durability) {
   const TileGrid grid{spec.render.width, spec.render.height};
   std::vector<std::string> names, exact;
@@ -59,13 +59,16 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 
   ExrMetadata metadata;
   metadata.frames_per_second = FrameRateOf(spec.render.fps);
+  SL_ASSIGN_OR_RETURN(const CameraMatrices camera, facts.camera());
+  metadata.world_to_camera = camera.world_to_camera;
+  metadata.world_to_ndc = camera.world_to_ndc;
   metadata.strings["shutterline:build"] = kBuildId;
   metadata.strings["shutterline:frame"] = absl::StrCat(spec.frames.Frame(key.second));
   metadata.strings["shutterline:scene"] = spec.scene.root_name;
   metadata.strings["shutterline:settings"] = DescribeSettings(spec.render);
   if (!missing.empty()) metadata.strings["shutterline:missing_tiles"] = absl::StrJoin(missing, ",");
   if (!spec.render.mattes.empty()) {
-    SL_ASSIGN_OR_RETURN(const MatteNames matte_names, names_source());
+    SL_ASSIGN_OR_RETURN(const MatteNames matte_names, facts.names());
     for (const Matte matte : spec.render.mattes) {
       AddMatteMetadata(MatteName(matte),
                        matte == Matte::kObject ? matte_names.objects : matte_names.materials,
@@ -83,10 +86,10 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const std::set<uint32_t>& missing,
-                                             const MatteNamesSource& names, const std::string& path,
+                                             const FrameFacts& facts, const std::string& path,
                                              Durability durability) {
   try {
-    return Assemble(journal, key, spec, missing, names, path, durability);
+    return Assemble(journal, key, spec, missing, facts, path, durability);
   } catch (const std::bad_alloc&) {
     // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
     return absl::FailedPreconditionError(absl::StrCat(

@@ -10,6 +10,7 @@
 
 #include "common/asset/digest.h"
 #include "common/cryptomatte/cryptomatte.h"
+#include "common/image/exr.h"
 #include "common/job/job_spec.h"
 #include "server/assemble/tile_journal.h"
 #include "server/files/durability.h"
@@ -24,17 +25,21 @@ struct AssembledFrame {
   std::vector<uint32_t> lost_tiles;
 };
 
-/// Tells what a job's mattes are named after.
-using MatteNamesSource = std::function<absl::StatusOr<MatteNames>()>;
+/// Tells what must be known of a frame beside its tiles.
+struct FrameFacts {
+  /// What the job's mattes are named after.
+  std::function<absl::StatusOr<MatteNames>()> names;
+  std::function<absl::StatusOr<CameraMatrices>()> camera;
+};
 
 /// Puts the journal's tiles of frame `key` together and writes the EXR to `path`, atomically and as durably
 /// as is asked. Tiles of `missing` are left transparent, zero in every channel, and named in the header
-/// ("shutterline:missing_tiles", their numbers, a comma between two). `names` is asked if the job has mattes.
-/// Equal tiles give equal bytes. RESOURCE_EXHAUSTED: the disk is full, for now; FAILED_PRECONDITION: this
-/// machine's memory does not hold the frame. Thread-safe for different frames.
+/// ("shutterline:missing_tiles", their numbers, a comma between two). Of `facts`, names are asked for if the
+/// job has mattes. Equal tiles give equal bytes. RESOURCE_EXHAUSTED: the disk is full, for now;
+/// FAILED_PRECONDITION: this machine's memory does not hold the frame. Thread-safe for different frames.
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const std::set<uint32_t>& missing,
-                                             const MatteNamesSource& names, const std::string& path,
+                                             const FrameFacts& facts, const std::string& path,
                                              Durability durability);
 
 }  // namespace shutterline::server

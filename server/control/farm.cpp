@@ -154,8 +154,11 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
   const auto write = [&]() -> absl::StatusOr<AssembledFrame> {
     const Durability durability = parts_.config.durability;
     SL_RETURN_IF_ERROR(MakeFolders(path.substr(0, path.rfind('/')), durability));
-    const auto names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); };
-    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, names, path, durability);
+    const FrameFacts facts{
+        .names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); },
+        .camera = [&] { return parts_.camera(*job->spec(), *parts_.assets, number); },
+    };
+    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, facts, path, durability);
   };
   const absl::StatusOr<AssembledFrame> frame = write();
   if (frame.ok() && !frame->lost_tiles.empty()) {

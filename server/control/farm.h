@@ -53,6 +53,8 @@ class Farm {
     std::function<absl::Status(const JobSpec&, AssetStore&)> check_scene;
     /// What the mattes of a job are named after; likewise.
     std::function<absl::StatusOr<MatteNames>(const JobSpec&, AssetStore&)> matte_names;
+    /// Where the camera of a job's frame is; likewise.
+    std::function<absl::StatusOr<CameraMatrices>(const JobSpec&, AssetStore&, int frame)> camera;
   };
   explicit Farm(Parts parts);
   ~Farm();

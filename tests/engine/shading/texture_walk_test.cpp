@@ -177,21 +177,26 @@ TEST(TextureLookup, DoesNotDependOnWhatWasLookedAtBefore) {
   const OneTriangle one;
   std::mt19937 random(7);
   const std::array<size_t, 3> corners = {0, 1, 2};
-  const std::array<double, 3> weights = {0.2, 0.5, 0.3};
+  const Barycentric at{0.5, 0.3};
   const Footprint footprint{.db1_dx = 0.03, .db1_dy = 0.01, .db2_dx = -0.02, .db2_dy = 0.05};
-  TextureLookup shared(one.frame, one.source, corners, weights, footprint);
+  PreparedMaterial material;
+  std::vector<PreparedTexture> linear, srgb;
   for (int i = 0; i < 200; ++i) {
     TextureRef reference{.texture = int(random() % 4), .texcoord = int(random() % 2), .transform = {}};
     if (random() % 2 == 0) reference.transform.offset.x = 0.25;
     if (random() % 3 == 0) reference.transform.rotation = 0.5;
     if (random() % 3 == 0) reference.transform.scale.y = 2;
-    TextureLookup fresh(one.frame, one.source, corners, weights, footprint);
-    if (random() % 2 == 0) shared.Prefetch(reference, TextureEncoding::kLinear);
-    EXPECT_EQ(shared.Color(reference, TextureEncoding::kLinear),
-              fresh.Color(reference, TextureEncoding::kLinear))
-        << "seed 7, look " << i;
+    linear.push_back(material.Prepare(one.frame, one.source, reference, TextureEncoding::kLinear));
+    srgb.push_back(material.Prepare(one.frame, one.source, reference, TextureEncoding::kSrgb));
+  }
+  const TexturedTriangle triangle(material, corners);
+  TextureLookup shared(material, triangle, at, footprint);
+  for (size_t i = 0; i < 200; ++i) {
+    TextureLookup fresh(material, triangle, at, footprint);
+    if (random() % 2 == 0) shared.Prefetch(linear[i]);
+    EXPECT_EQ(shared.Color(linear[i]), fresh.Color(linear[i])) << "seed 7, look " << i;
     // Nobody has made this one.
-    EXPECT_EQ(shared.Color(reference, TextureEncoding::kSrgb), V4d(1));
+    EXPECT_EQ(shared.Color(srgb[i]), V4d(1));
   }
 }
 

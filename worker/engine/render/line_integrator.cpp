@@ -11,7 +11,6 @@
 #include "common/math/tolerance.h"
 #include "worker/engine/render/make_resolver.h"
 #include "worker/engine/render/stage_timer.h"
-#include "worker/engine/render/tile_texels.h"
 #include "worker/engine/shading/footprint.h"
 
 namespace shutterline::engine {
@@ -82,7 +81,7 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
 
   stats.candidate_triangles += int64_t(candidates.size());
   PairWeights weights;
-  TileTexels tile_texels(texels_, stats);
+  TileTexels tile_texels(texels_, desks_, stats);
   ColorFilm film([this](uint32_t triangle) { return ColorsOf(triangle); },
                  [this](uint32_t triangle) { return GuessOf(triangle); }, &tile_texels);
   if (!outputs_.empty()) film.KeepPairs();
@@ -143,6 +142,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
                                  RenderStats& stats) const {
   std::vector<Contribution> contributions;
   std::vector<SeenPair> seen;
+  TexelShader::Lately lately(shader_);
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
       // Shade each pair once.
@@ -155,7 +155,7 @@ void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weight
         Shaded shaded;
         if (traits.needs_position) {
           const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), stats);
+          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), lately, stats);
         } else {
           shaded = shader_.ShadeFully(pair.triangle, {}, {});
         }

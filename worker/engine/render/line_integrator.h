@@ -9,6 +9,7 @@
 #include "worker/engine/accel/bvh.h"
 #include "worker/engine/render/pixel_outputs.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/render/tile_texels.h"
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/shading/texel_shader.h"
 #include "worker/engine/visibility/resolver.h"
@@ -49,6 +50,7 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   std::unique_ptr<const Bvh> bvh_;
   Shader shader_;
   TexelShader texels_;
+  mutable TexelDesks desks_;
   PixelOutputs outputs_;
   std::unique_ptr<const Resolver> resolver_;
   std::vector<PrimitiveTraits> traits_;           ///< What shading needs.

@@ -3,38 +3,100 @@
 #include <absl/container/flat_hash_map.h>
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "common/job/render_stats.h"
+#include "worker/engine/shading/texel_batch.h"
 #include "worker/engine/shading/texel_shader.h"
 #include "worker/engine/visibility/point_colors.h"
 
 namespace shutterline::engine {
 
-/// The texels that a tile sees, with what their triangles have in common and, where there is a cache, the
-/// ones seen last kept near: the whole cache is larger than a processor's. One a tile and thread.
-class TileTexels final : public PointColors {
- public:
-  /// Both must outlive it.
-  TileTexels(const TexelShader& shader, RenderStats& stats) : shader_(shader), stats_(stats) {}
-
-  bool Has(uint32_t triangle) const override { return shader_.HasTexels(triangle); }
-  uint32_t Prepare(uint32_t triangle) override;
-  V3f At(uint32_t prepared, double b1, double b2) override;
-
- private:
+/// What looking texels up needs of memory: for one thread at a time, tile after tile of one frame.
+struct TexelDesk {
+  static constexpr uint64_t kNothing = ~uint64_t{0};  ///< Low part of a key of a triangle that no frame has.
+  /// A texel that was seen lately: the whole cache is larger than a processor's.
   struct Near {
-    TexelKey key;
-    bool filled = false;
+    TexelKey key{.low = kNothing};
     V3f radiance;
   };
-  static constexpr size_t kNearLog2 = 12;  ///< 128 KiB.
+  static constexpr int kNearLog2 = 13;  ///< 256 KiB.
+
+  std::vector<Near> near;  ///< See TileTexels::NearOf; empty where there is no cache.
+
+  // Of a tile.
+  absl::flat_hash_map<uint32_t, uint32_t> number_of;  ///< By triangle of the frame.
+  std::vector<TexelShader::Triangle> triangles;
+  /// Of those whose levels are the same all over: what their texels' keys and places near have in common.
+  struct Even {
+    bool is_even = false;
+    int level2 = 0;
+    uint64_t key_low = 0;
+    uint32_t corner = 0;
+  };
+  std::vector<Even> even;  ///< By number of the triangle.
+
+  // Points that are wanted.
+  struct Wanted {
+    uint32_t prepared;
+    double weight;
+    PointColors::Color* sum;
+  };
+  TexelBatch batch;
+  TexelBatch::Array<Wanted> wanted;
+  TexelBatch::Array<V3f> radiance;
+  TexelBatch::Array<TexelKey> keys;
+  TexelBatch::Array<uint32_t> missed;  ///< Numbers of those that are not near.
+};
+
+/// Desks of a frame that nobody uses at the moment. Thread-safe.
+class TexelDesks {
+ public:
+  std::unique_ptr<TexelDesk> Take();
+  void Give(std::unique_ptr<TexelDesk> desk);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<TexelDesk>> free_;
+};
+
+/// The texels that a tile sees, with what their triangles have in common. One a tile and thread.
+class TileTexels final : public PointColors {
+ public:
+  /// All must outlive it.
+  TileTexels(const TexelShader& shader, TexelDesks& desks, RenderStats& stats);
+  ~TileTexels() override { desks_.Give(std::move(desk_)); }
+  TileTexels(const TileTexels&) = delete;
+
+  bool Has(uint32_t triangle) const override { return shader_.HasTexels(triangle); }
+  std::optional<V3f> ColorOfAll(uint32_t triangle) override;
+  uint32_t Prepare(uint32_t triangle) override;
+  V3f At(uint32_t prepared, double b1, double b2) override;
+  void AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
+                Color* sums_of_line) override;
+  void Finish() override;
+
+ private:
+  const TexelShader::Triangle& Known(uint32_t triangle);
+  V3f RadianceOf(const TexelShader::Triangle& triangle, const Texel& texel, const TexelKey& key);
+  TexelDesk::Near& NearOf(uint32_t triangle, const Texel& texel);
+  /// The radiance of wanted points that are near; the others are missed.
+  void LookNear();
+  void LookNear(size_t k, const TexelKey& key, uint32_t place);
+  Texel TexelOf(size_t k) const;
+  /// Without a cache.
+  V3f ShadeWanted(size_t k);
 
   const TexelShader& shader_;
+  TexelDesks& desks_;
   RenderStats& stats_;
-  absl::flat_hash_map<uint32_t, uint32_t> number_of_;  // By triangle of the frame.
-  std::vector<TexelShader::Triangle> triangles_;
-  std::vector<Near> near_;  // By hash; empty before the first is prepared.
+  std::unique_ptr<TexelDesk> desk_;
+  TexelShader::Triangle last_;  ///< That was asked for.
+  bool knows_last_ = false;
+  size_t missed_ = 0;
 };
 
 }  // namespace shutterline::engine

@@ -26,16 +26,30 @@ absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame, c
   return Shader(std::move(frame), std::move(lighting), std::move(occlusion));
 }
 
+Shader::Shader(std::shared_ptr<const FrameScene> frame, Lighting lighting,
+               std::shared_ptr<const AmbientOcclusion> occlusion)
+    : frame_(std::move(frame)), lighting_(std::move(lighting)), occlusion_(std::move(occlusion)) {
+  materials_.reserve(frame_->primitives.size());
+  for (const FramePrimitive& primitive : frame_->primitives) materials_.emplace_back(*frame_, primitive);
+}
+
 Shaded Shader::ShadeUnder(const AmbientOcclusion* occlusion, uint32_t triangle, const Barycentric& at,
                           const Footprint& footprint) const {
-  const FrameTriangle& corners = frame_->triangles[triangle];
-  const FramePrimitive& primitive = frame_->primitives[corners.primitive];
-  if (primitive.material->unlit) {
-    const V4d color = BaseColorAt(*frame_, primitive, corners, at, footprint);
-    return {.radiance = V3f(V3d(color.x, color.y, color.z)), .openness = 1};
-  }
-  Surface surface = SurfaceAt(*frame_, primitive, corners, triangle, at, footprint);
-  const double openness = occlusion == nullptr ? 1 : occlusion->At(triangle, at.b1, at.b2);
+  const uint32_t number = frame_->triangles[triangle].primitive;
+  const FramePrimitive& primitive = frame_->primitives[number];
+  if (primitive.material->unlit) return ShadeUnlit(triangle, at, footprint);
+  return ShadeLit(occlusion, SurfaceTriangle(*frame_, materials_[number], triangle), at, footprint);
+}
+
+Shaded Shader::ShadeUnlit(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+  const V4d color = BaseColor(triangle, at, footprint);
+  return {.radiance = V3f(V3d(color.x, color.y, color.z)), .openness = 1};
+}
+
+Shaded Shader::ShadeLit(const AmbientOcclusion* occlusion, const SurfaceTriangle& triangle,
+                        const Barycentric& at, const Footprint& footprint) const {
+  Surface surface = SurfaceAt(*frame_, triangle, at, footprint);
+  const double openness = occlusion == nullptr ? 1 : occlusion->At(triangle.number, at.b1, at.b2);
   surface.occlusion *= openness;
   const V3d reflected =
       lighting_.head_light ? ReflectHeadLight(surface) : Reflect(frame_->view, lighting_, surface);
@@ -43,8 +57,7 @@ Shaded Shader::ShadeUnder(const AmbientOcclusion* occlusion, uint32_t triangle, 
 }
 
 Surface Shader::SurfaceOf(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
-  const FrameTriangle& corners = frame_->triangles[triangle];
-  return SurfaceAt(*frame_, frame_->primitives[corners.primitive], corners, triangle, at, footprint);
+  return SurfaceAt(*frame_, TriangleOf(triangle), at, footprint);
 }
 
 bool Shader::IsConstant(const FramePrimitive& primitive) const {
@@ -52,9 +65,14 @@ bool Shader::IsConstant(const FramePrimitive& primitive) const {
          !IsTextured(*frame_, primitive);
 }
 
-double Shader::Alpha(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+V4d Shader::BaseColor(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
   const FrameTriangle& corners = frame_->triangles[triangle];
-  return BaseColorAt(*frame_, frame_->primitives[corners.primitive], corners, at, footprint).w;
+  return BaseColorAt(frame_->primitives[corners.primitive], materials_[corners.primitive], corners, at,
+                     footprint);
+}
+
+double Shader::Alpha(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
+  return BaseColor(triangle, at, footprint).w;
 }
 
 bool Shader::IsGlossy(const Material& material) const {

@@ -32,8 +32,8 @@ class Shader {
   /// `lighting` may refer to the frame. `occlusion` may be null: then nothing hides what comes from
   /// everywhere.
   Shader(std::shared_ptr<const FrameScene> frame, Lighting lighting,
-         std::shared_ptr<const AmbientOcclusion> occlusion = nullptr)
-      : frame_(std::move(frame)), lighting_(std::move(lighting)), occlusion_(std::move(occlusion)) {}
+         std::shared_ptr<const AmbientOcclusion> occlusion = nullptr);
+  // The prepared materials refer to the frame, which does not move.
 
   /// Linear radiance leaving triangle `triangle` at `at` towards the camera, lit as at mid-shutter, as if
   /// it were opaque: layers are not premultiplied.
@@ -43,6 +43,15 @@ class Shader {
   /// The same with all that comes along.
   Shaded ShadeFully(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
     return ShadeUnder(occlusion_.get(), triangle, at, footprint);
+  }
+  /// The same for a triangle of which several points are wanted.
+  Shaded ShadeFully(const SurfaceTriangle& triangle, const Barycentric& at,
+                    const Footprint& footprint) const {
+    if (triangle.primitive->material->unlit) return ShadeUnlit(triangle.number, at, footprint);
+    return ShadeLit(occlusion_.get(), triangle, at, footprint);
+  }
+  SurfaceTriangle TriangleOf(uint32_t triangle) const {
+    return {*frame_, materials_[frame_->triangles[triangle].primitive], triangle};
   }
   /// Radiance as if nothing occluded the surroundings: where a guess will do.
   V3f ShadeInTheOpen(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const {
@@ -74,12 +83,17 @@ class Shader {
  private:
   Shaded ShadeUnder(const AmbientOcclusion* occlusion, uint32_t triangle, const Barycentric& at,
                     const Footprint& footprint) const;
+  Shaded ShadeUnlit(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
+  Shaded ShadeLit(const AmbientOcclusion* occlusion, const SurfaceTriangle& triangle, const Barycentric& at,
+                  const Footprint& footprint) const;
+  V4d BaseColor(uint32_t triangle, const Barycentric& at, const Footprint& footprint) const;
   bool IsGlossy(const Material& material) const;
   void MakeLayer(const FramePrimitive& primitive, PrimitiveTraits& traits) const;
 
   std::shared_ptr<const FrameScene> frame_;
   Lighting lighting_;
   std::shared_ptr<const AmbientOcclusion> occlusion_;
+  std::vector<PreparedMaterial> materials_;  ///< By primitive.
 };
 
 }  // namespace shutterline::engine

@@ -65,6 +65,12 @@ ShadingCache::Entry* ShadingCache::BucketOf(uint32_t frame, const TexelKey& key)
   return &entries_[kPerBucket * size_t(hash & (buckets_ - 1))];
 }
 
+void ShadingCache::Prefetch(uint32_t frame, const TexelKey& key) const {
+  const Entry* bucket = BucketOf(frame, key);
+  __builtin_prefetch(bucket);
+  __builtin_prefetch(bucket + kPerBucket / 2);
+}
+
 bool ShadingCache::Find(uint32_t frame, const TexelKey& key, Shaded& shaded) const {
   const Entry* bucket = BucketOf(frame, key);
   const uint64_t wanted = StateOf(frame, key);

@@ -37,6 +37,9 @@ class ShadingCache {
   /// True, and the shading, if it is there.
   bool Find(uint32_t frame, const TexelKey& key, Shaded& shaded) const;
 
+  /// Has memory send what Find will want.
+  void Prefetch(uint32_t frame, const TexelKey& key) const;
+
   enum class Outcome {
     kStored,
     kDuplicate,  ///< It was there: another thread has shaded the same meanwhile.
@@ -97,6 +100,7 @@ class CachedFrame {
 
   explicit operator bool() const { return cache_ != nullptr; }
   bool Find(const TexelKey& key, Shaded& shaded) const { return cache_->Find(frame_, key, shaded); }
+  void Prefetch(const TexelKey& key) const { cache_->Prefetch(frame_, key); }
   ShadingCache::Outcome Store(const TexelKey& key, const Shaded& shaded) const {
     return cache_->Store(frame_, key, shaded);
   }

@@ -5,6 +5,8 @@
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/shading/footprint.h"
+#include "worker/engine/shading/prepared_material.h"
+#include "worker/engine/shading/texture_lookup.h"
 
 namespace shutterline::engine {
 
@@ -22,14 +24,29 @@ struct Surface {
   V3d emission{0, 0, 0};
 };
 
+/// A triangle of a frame with what the points of its surface have in common. Refers to the frame and to the
+/// primitive's material.
+struct SurfaceTriangle {
+  SurfaceTriangle() = default;
+  SurfaceTriangle(const FrameScene& frame, const PreparedMaterial& material, uint32_t triangle);
+
+  uint32_t number = 0;  ///< In the frame.
+  const FramePrimitive* primitive = nullptr;
+  const PreparedMaterial* material = nullptr;
+  TexturedTriangle textured;
+  std::array<RasterPoint, 3> raster{};  ///< At mid-shutter.
+  std::array<V3d, 3> corners{};         ///< In view space.
+  V3d face{0, 0, 0};                    ///< Unit, on the front; zero where the triangle has no normal.
+};
+
 /// Base colour: factor × vertex colour × texture, with the alpha that they multiply to. All that an unlit
-/// material shows.
-V4d BaseColorAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
-                const Barycentric& at, const Footprint& footprint);
+/// material shows. `triangle` is one of the primitive's.
+V4d BaseColorAt(const FramePrimitive& primitive, const PreparedMaterial& material,
+                const FrameTriangle& triangle, const Barycentric& at, const Footprint& footprint);
 
 /// Everything. Unlit materials have a normal, too, that of the face.
-Surface SurfaceAt(const FrameScene& frame, const FramePrimitive& primitive, const FrameTriangle& triangle,
-                  uint32_t index, const Barycentric& at, const Footprint& footprint);
+Surface SurfaceAt(const FrameScene& frame, const SurfaceTriangle& triangle, const Barycentric& at,
+                  const Footprint& footprint);
 
 /// Whether any of the material's textures is.
 bool IsTextured(const FrameScene& frame, const FramePrimitive& primitive);

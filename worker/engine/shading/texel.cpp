@@ -57,13 +57,4 @@ Texel Texel::Parent() const {
           .j = level2 > 0 ? j / 2 : j};
 }
 
-TexelKey Texel::KeyOf(uint32_t triangle) const {
-  constexpr int kLowBits = 64 - 32 - 2 * 5;
-  static_assert(kMaxLevel < 32 && kMaxLevelSum == kLowBits + 31);
-  const uint64_t place = uint64_t{i} << level2 | uint64_t{j};
-  return {.low = uint64_t{triangle} << 32 | uint64_t(level1) << (5 + kLowBits) |
-                 uint64_t(level2) << kLowBits | (place & ((uint64_t{1} << kLowBits) - 1)),
-          .high = uint32_t(place >> kLowBits)};
-}
-
 }  // namespace shutterline::engine

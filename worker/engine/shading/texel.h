@@ -29,10 +29,23 @@ struct Texel {
   /// The texel that holds this one, one level up in the directions that are not at their top.
   Texel Parent() const;
   bool IsTop() const { return level1 == 0 && level2 == 0; }
-  TexelKey KeyOf(uint32_t triangle) const;
+  TexelKey KeyOf(uint32_t triangle) const {
+    static_assert(kMaxLevel < 32 && kMaxLevelSum == kLowBits + 31);
+    const uint64_t low =
+        uint64_t{triangle} << 32 | uint64_t(level1) << (5 + kLowBits) | uint64_t(level2) << kLowBits;
+    return KeyWith(low, level2, i, j);
+  }
+  /// The key of texel (i, j), `first` being the low part of that of (0, 0) of its triangle and levels.
+  static TexelKey KeyWith(uint64_t first, int level2, uint32_t i, uint32_t j) {
+    const uint64_t place = uint64_t{i} << level2 | uint64_t{j};
+    return {.low = first | (place & ((uint64_t{1} << kLowBits) - 1)), .high = uint32_t(place >> kLowBits)};
+  }
 
   static constexpr int kMaxLevel = 31;     ///< Of each direction.
   static constexpr int kMaxLevelSum = 53;  ///< Of both: what a key has room for.
+
+ private:
+  static constexpr int kLowBits = 64 - 32 - 2 * 5;  ///< Of TexelKey::low, for the place.
 };
 
 struct TexelLevels {

@@ -38,6 +38,8 @@ TexelLevelsOfTriangle::TexelLevelsOfTriangle(const std::array<RasterPoint, 3>& c
     if (LevelsOf(corner) != middle) return;
   }
   uniform_ = *middle;
+  columns_ = double(uint64_t{1} << middle->level1);
+  rows_ = double(uint64_t{1} << middle->level2);
   is_uniform_ = true;
 }
 
@@ -46,8 +48,8 @@ std::optional<TexelLevels> TexelLevelsOfTriangle::LevelsOf(const Barycentric& at
   const V2d along1 = w * (rise1_ - at.b1 * rise_sum_), along2 = w * (rise2_ - at.b2 * rise_sum_);
   const double squared1 = along1.length2(), squared2 = along2.length2();
   // The exponents of what is below are those of no level.
-  constexpr double kLeast = 0x1p-62;
-  if (!(w > 0 && squared1 >= kLeast && squared2 >= kLeast && squared1 < HUGE_VAL && squared2 < HUGE_VAL)) {
+  if (!(w > 0 && squared1 >= kLeastTexelRise && squared2 >= kLeastTexelRise && squared1 < HUGE_VAL &&
+        squared2 < HUGE_VAL)) {
     return std::nullopt;
   }
   const TexelLevels levels{LevelFor(squared1), LevelFor(squared2)};

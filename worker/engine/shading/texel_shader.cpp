@@ -47,6 +47,18 @@ Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, Re
   return shader_.ShadeFully(triangle, at, textured ? PixelFootprintAt(frame, triangle, at, t) : Footprint{});
 }
 
+Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, Lately& lately,
+                          RenderStats& stats) const {
+  if (HasTexels(triangle)) return Shade(triangle, at, t, stats);
+  const SurfaceTriangle& on = lately.Of(triangle);
+  Footprint footprint;
+  if (textured_[shader_.frame().triangles[triangle].primitive]) {
+    footprint = on.primitive->degree == 0 ? PixelFootprint(on.raster, at)
+                                          : PixelFootprintAt(shader_.frame(), triangle, at, t);
+  }
+  return shader_.ShadeFully(on, at, footprint);
+}
+
 Shaded TexelShader::ShadePoint(const Triangle& triangle, const Barycentric& at) const {
   return shader_.ShadeFully(triangle.number, at, PixelFootprint(triangle.corners, at));
 }

@@ -47,6 +47,8 @@ class TexelShader {
   std::optional<Texel> TexelOf(const Triangle& triangle, const Barycentric& at) const;
   Shaded ShadeTexel(const Triangle& triangle, const Texel& texel, const TexelKey& key,
                     RenderStats& stats) const;
+  /// Where there is a cache: has memory send what ShadeTexel will look for.
+  void Prefetch(const TexelKey& key) const { cache_.Prefetch(key); }
   /// A point of it that has no texel.
   Shaded ShadePoint(const Triangle& triangle, const Barycentric& at) const;
 
@@ -54,6 +56,24 @@ class TexelShader {
 
   /// A point that is seen at shutter time t, with texels or without.
   Shaded Shade(uint32_t triangle, const Barycentric& at, double t, RenderStats& stats) const;
+
+  /// Triangles that were looked at lately, for one thread: neighbouring pixels mostly see the same ones.
+  class Lately {
+   public:
+    explicit Lately(const Shader& shader) : shader_(shader) {}
+    const SurfaceTriangle& Of(uint32_t triangle) {
+      SurfaceTriangle& place = places_[triangle % kPlaces];
+      if (place.primitive == nullptr || place.number != triangle) place = shader_.TriangleOf(triangle);
+      return place;
+    }
+
+   private:
+    static constexpr size_t kPlaces = 32;
+    const Shader& shader_;
+    std::array<SurfaceTriangle, kPlaces> places_;
+  };
+  /// The same with their help.
+  Shaded Shade(uint32_t triangle, const Barycentric& at, double t, Lately& lately, RenderStats& stats) const;
 
  private:
   void Propagate(uint32_t triangle, Texel texel, const Shaded& shaded) const;

@@ -5,46 +5,60 @@
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/shading/barycentric.h"
+#include "worker/engine/shading/prepared_material.h"
 #include "worker/engine/shading/texture_walk.h"
 
 namespace shutterline::engine {
+
+/// A triangle as textures know it.
+struct TexturedTriangle {
+  std::array<size_t, 3> corners{};  ///< Its vertices in the mesh.
+  TriangleCoordinates first;        ///< Coordinates number 0 of the material, if it has any.
+
+  TexturedTriangle() = default;
+  TexturedTriangle(const PreparedMaterial& material, const std::array<size_t, 3>& vertices)
+      : corners(vertices) {
+    if (material.HasCoordinates()) first = material.CoordinatesOn(0, corners);
+  }
+};
 
 /// Looks at the textures of one point of a triangle. Those that share coordinates, transform, size and
 /// wrapping, as a material's mostly do, share one walk over the pixel's footprint if they are asked for in a
 /// row. What it is made of must outlive it.
 class TextureLookup {
  public:
-  /// `corners` are the triangle's vertices in the mesh, `weights` their barycentric weights.
-  TextureLookup(const FrameScene& frame, const MeshPrimitive& source, const std::array<size_t, 3>& corners,
-                const std::array<double, 3>& weights, const Footprint& footprint)
-      : frame_(frame), source_(source), corners_(corners), weights_(weights), footprint_(footprint) {}
+  TextureLookup(const PreparedMaterial& material, const TexturedTriangle& triangle, const Barycentric& at,
+                const Footprint& footprint)
+      : material_(material), triangle_(triangle), at_(at), footprint_(footprint) {}
 
   /// Linear colour and alpha; white where the texture is not used.
-  V4d Color(const TextureRef& reference, TextureEncoding encoding);
+  V4d Color(const PreparedTexture& texture);
 
   /// Finds out where to look and has memory send what is there: textures are larger than caches, and there is
   /// other work to be done until it comes.
-  void Prefetch(const TextureRef& reference, TextureEncoding encoding);
+  void Prefetch(const PreparedTexture& texture);
 
  private:
-  /// Makes walk_ that of the texture; its pyramid, null where it is not used.
-  const MipPyramid* Walk(const TextureRef& reference, TextureEncoding encoding);
+  /// Makes walk_ that of a texture that is used.
+  void Walk(const PreparedTexture& texture);
   /// Sets uv_ and its derivatives.
-  void Place(const TextureRef& reference);
+  void Place(int coordinates);
 
-  const FrameScene& frame_;
-  const MeshPrimitive& source_;
-  const std::array<size_t, 3>& corners_;
-  const std::array<double, 3>& weights_;
+  const PreparedMaterial& material_;
+  const TexturedTriangle& triangle_;
+  const Barycentric& at_;
   const Footprint& footprint_;
-  int texcoord_ = -1;  ///< Of what uv_ is; -1: nothing yet.
-  TextureTransform transform_;
+  int placed_ = -1;  ///< Of what coordinates uv_ is; -1: nothing yet.
   V2d uv_{0, 0}, duv_dx_{0, 0}, duv_dy_{0, 0};
-  WalkedImage walked_;  ///< Of what walk_ is; of width 0: nothing yet.
+  int walked_ = -1;  ///< PreparedTexture::walk of walk_; -1: nothing yet.
   TextureWalk walk_;
 };
 
-/// Whether the frame has the texture, in this encoding, and the mesh the coordinates for it.
+/// Null where the frame does not have the texture, in this encoding, or the mesh the coordinates for it.
+const MipPyramid* PyramidOf(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
+                            TextureEncoding encoding);
+
+/// Whether there is one.
 bool IsUsed(const FrameScene& frame, const MeshPrimitive& source, const TextureRef& reference,
             TextureEncoding encoding);
 

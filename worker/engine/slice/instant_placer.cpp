@@ -14,6 +14,12 @@ namespace {
 constexpr size_t kMostCorners = 5;
 constexpr size_t kMostPieces = 3;
 
+/// A placed vertex.
+struct LineVertex {
+  double row = 0, position = 0;  ///< Pixels.
+  double inverse_w = 0;
+};
+
 constexpr float kNothingLeft = -std::numeric_limits<float>::infinity();
 constexpr float kAnything = std::numeric_limits<float>::infinity();
 
@@ -104,38 +110,60 @@ void InstantPlacer::ClipTriangles(size_t first) {
   clipped_.Pad();
 }
 
-LinePosition InstantPlacer::PositionOn(uint32_t index, int row) {
-  const uint32_t j = stratum_->NumberOf(index);
+void InstantPlacer::MakePlane(uint32_t j) {
   if (planes_.size() <= j) planes_.resize(stratum_->triangles().count);
   Plane& plane = planes_[j];
-  if (plane.instant != instant_) {
-    plane.instant = instant_;
-    // Homogeneous edge functions: with corners V_i = (X, Y, W), V_j × V_k is zero along the edge jk, and over
-    // the determinant it is the barycentric coordinate of corner i over w.
-    std::array<V3d, 3> corner;
-    for (size_t i = 0; i < 3; ++i) {
-      const auto at = stratum_->HomogeneousAt(size_t(stratum_->triangles().vertex[i][j]), t_);
-      corner[i] = {at[0], at[1], at[3]};
+  plane.instant = instant_;
+  std::array<LineVertex, 3> v;
+  bool is_placed = true;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto at = size_t(stratum_->triangles().vertex[i][j]);
+    v[i] = {vertices_.row[at], vertices_.position[at] / kSubpixelsPerPixel, vertices_.inverse_w[at]};
+    is_placed = is_placed && std::isfinite(v[i].row);
+  }
+  if (is_placed) {
+    // Barycentric coordinates on the plane of the lines are linear; over w they are those on the triangle.
+    const double row1 = v[1].row - v[0].row, row2 = v[2].row - v[0].row;
+    const double along1 = v[1].position - v[0].position, along2 = v[2].position - v[0].position;
+    const double inverse = 1 / (along1 * row2 - along2 * row1);
+    if (!std::isfinite(inverse)) return MakeAnywhere(plane);
+    const double per_pixel1 = row2 * inverse, per_pixel2 = -row1 * inverse;
+    const double per_row1 = -along2 * inverse, per_row2 = along1 * inverse;
+    const double w0 = v[0].inverse_w, w1 = v[1].inverse_w, w2 = v[2].inverse_w;
+    plane.per_pixel = {w1 * per_pixel1, w2 * per_pixel2, (w1 - w0) * per_pixel1 + (w2 - w0) * per_pixel2};
+    plane.per_row = {w1 * per_row1, w2 * per_row2, (w1 - w0) * per_row1 + (w2 - w0) * per_row2};
+    for (size_t c = 0; c < 3; ++c) {
+      plane.constant[c] = -(plane.per_pixel[c] * v[0].position + plane.per_row[c] * v[0].row);
     }
-    const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
-                                  corner[0].cross(corner[1])};
-    const double inverse = 1 / corner[0].dot(edge[0]);
-    plane.edge_on = !std::isfinite(inverse);
-    plane.over_w = {edge[1] * inverse, edge[2] * inverse, (edge[0] + edge[1] + edge[2]) * inverse};
+    plane.constant[2] += w0;
+    return;
   }
-  LinePosition position;
-  if (plane.edge_on) return position;  // Any place will do.
-  // Along the line, minor = slope · major + (row + intercept).
+  // A corner is behind the camera. Homogeneous edge functions: with corners V_i = (X, Y, W), V_j × V_k is
+  // zero along the edge jk, and over the determinant it is the barycentric coordinate of corner i over w.
+  std::array<V3d, 3> corner;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto at = stratum_->HomogeneousAt(size_t(stratum_->triangles().vertex[i][j]), t_);
+    corner[i] = {at[0], at[1], at[3]};
+  }
+  const std::array<V3d, 3> edge{corner[1].cross(corner[2]), corner[2].cross(corner[0]),
+                                corner[0].cross(corner[1])};
+  const double inverse = 1 / corner[0].dot(edge[0]);
+  if (!std::isfinite(inverse)) return MakeAnywhere(plane);
+  const std::array<V3d, 3> over_w{edge[1] * inverse, edge[2] * inverse,
+                                  (edge[0] + edge[1] + edge[2]) * inverse};
+  // Along a line, minor = slope · major + (row + intercept).
   const LineAxes& axes = lines_->axes;
-  const double minor = row + axes.intercept;
   for (size_t c = 0; c < 3; ++c) {
-    const V3d& p = plane.over_w[c];
-    const double per_major = axes.major_is_x ? p.x : p.y;
-    const double per_minor = axes.major_is_x ? p.y : p.x;
-    position.at[c] = per_minor * minor + p.z;
-    position.per_pixel[c] = per_major + axes.slope * per_minor;
+    const double per_major = axes.major_is_x ? over_w[c].x : over_w[c].y;
+    plane.per_row[c] = axes.major_is_x ? over_w[c].y : over_w[c].x;
+    plane.per_pixel[c] = per_major + axes.slope * plane.per_row[c];
+    plane.constant[c] = plane.per_row[c] * axes.intercept + over_w[c].z;
   }
-  return position;
+}
+
+void InstantPlacer::MakeAnywhere(Plane& plane) {
+  plane.constant = LinePosition().at;
+  plane.per_row = plane.per_pixel = {0, 0, 0};
 }
 
 }  // namespace shutterline::engine

@@ -6,8 +6,8 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/slice/kernels.h"
-#include "worker/engine/slice/line_position.h"
 #include "worker/engine/slice/stratum.h"
+#include "worker/engine/visibility/line_position.h"
 
 namespace shutterline::engine {
 
@@ -27,7 +27,15 @@ class InstantPlacer {
   const PlacedTriangles& placed() const { return placed_; }
 
   /// Where on triangle `index` of the mesh, one of the stratum's, the points of row `row` lie.
-  LinePosition PositionOn(uint32_t index, int row);
+  LinePosition PositionOn(uint32_t index, int row) {
+    const uint32_t j = stratum_->NumberOf(index);
+    if (j >= planes_.size() || planes_[j].instant != instant_) MakePlane(j);
+    const Plane& plane = planes_[j];
+    LinePosition position;
+    for (size_t c = 0; c < 3; ++c) position.at[c] = plane.per_row[c] * row + plane.constant[c];
+    position.per_pixel = plane.per_pixel;
+    return position;
+  }
 
  private:
   void PlaceClipped();
@@ -44,12 +52,16 @@ class InstantPlacer {
   GroupTriangles clipped_;
   PlacedTriangles placed_;
 
-  /// Positions on a triangle over the raster plane, at the instant with number `instant`.
+  /// Positions on a triangle along the lines, at the instant with number `instant`: b1, b2 and their sum with
+  /// b0, over w.
   struct Plane {
     int64_t instant = -1;
-    bool edge_on = false;
-    std::array<V3d, 3> over_w{};  // b1, b2 and their sum with b0, over w; times (x, y, 1).
+    std::array<double, 3> per_row{}, constant{}, per_pixel{};
   };
+  void MakePlane(uint32_t j);
+  /// Where a triangle is seen edge-on, any place on it will do.
+  static void MakeAnywhere(Plane& plane);
+
   std::vector<Plane> planes_;  // By the stratum's number of the triangle.
   int64_t instant_ = 0;
 };

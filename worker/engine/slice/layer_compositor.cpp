@@ -162,8 +162,7 @@ void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& surface, 
     sums_->AddColorShare(begin, colors_->ColorOf(surface.index), double(instants_), share);
   }
   if (kind == ColorKind::kSmooth) {
-    const double middle = (double(begin) + double(end)) * (0.5 / kSubpixelsPerPixel);
-    const TileColors::Color color = colors_->ColorAt(surface.index, surface.position, middle);
+    const TileColors::Color color = colors_->MeanColor(surface.index, surface.position, begin, end);
     sums_->AddColorShare(begin, color, double(instants_), share);
   }
   if (kind == ColorKind::kApart || colors_->keeps_pairs()) {

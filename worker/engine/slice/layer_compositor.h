@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "worker/engine/slice/line_position.h"
 #include "worker/engine/slice/line_sums.h"
 #include "worker/engine/slice/tile_mesh.h"
 #include "worker/engine/visibility/layers.h"
+#include "worker/engine/visibility/line_position.h"
 
 namespace shutterline::engine {
 

@@ -11,6 +11,7 @@ void LineSums::Begin(const TileMesh& mesh, const LineClass& lines, const LineGro
   lines_ = &lines;
   group_ = &group;
   colors_ = &colors;
+  has_points_ = false;
   if (colors.film() == nullptr) return;
   for (int lane = 0; lane < group.lanes; ++lane) {
     std::fill_n(lane_sums_[size_t(lane)].begin(), size_t(lines.length) + 2, Color{});
@@ -20,6 +21,12 @@ void LineSums::Begin(const TileMesh& mesh, const LineClass& lines, const LineGro
 
 void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LinePosition& position,
                          double weight) {
+  if (colors_->IsByPoints(index)) {
+    if (!has_points_) BeginPoints();
+    colors_->film()->points().AddAlong(colors_->PreparedOf(index), position,
+                                       {begin, end, colors_->PartsLog2(index)}, weight, points_of_lane_);
+    return;
+  }
   for (int32_t at = begin; at < end;) {
     const int step = at >> kSubpixelBits;
     const auto next = int32_t(std::min<int64_t>(end, int64_t{step + 1} << kSubpixelBits));
@@ -33,7 +40,15 @@ void LineSums::AddSmooth(int32_t begin, int32_t end, uint32_t index, const LineP
   }
 }
 
+void LineSums::BeginPoints() {
+  has_points_ = true;
+  for (int lane = 0; lane < group_->lanes; ++lane) {
+    std::fill_n(lane_points_[size_t(lane)].begin(), size_t(lines_->length), Color{});
+  }
+}
+
 void LineSums::End(PairWeights& weights) {
+  if (has_points_) colors_->film()->points().Finish();
   for (int lane = 0; lane < group_->lanes; ++lane) {
     if (colors_->film() != nullptr) FlushColors(lane);
     if (!apart_[size_t(lane)].empty()) FlushApart(lane, weights);
@@ -49,7 +64,11 @@ void LineSums::FlushColors(int lane) {
     for (size_t c = 0; c < 4; ++c) sum[c] += change[c];
     // Where nothing is, drop what rounding has left of the radiance.
     if (sum[3] == 0) sum = {0, 0, 0, 0};
-    const Color& share = lane_shares_[size_t(lane)][size_t(step)];
+    Color share = lane_shares_[size_t(lane)][size_t(step)];
+    if (has_points_) {
+      const Color& points = lane_points_[size_t(lane)][size_t(step)];
+      for (size_t c = 0; c < 4; ++c) share[c] += points[c];
+    }
     if (sum[3] + share[3] == 0) continue;
     Color& pixel = colors_->film()->At(lines_->PixelOf(row, step));
     for (size_t c = 0; c < 4; ++c) pixel[c] += sum[c] + share[c];

@@ -31,6 +31,7 @@ class LineSums {
   void BeginLane(int lane, double weight) {
     sums_ = lane_sums_[size_t(lane)].data();
     shares_of_lane_ = lane_shares_[size_t(lane)].data();
+    points_of_lane_ = lane_points_[size_t(lane)].data();
     weight_ = weight;
     color_ = nullptr;
     end_ = 0;
@@ -123,6 +124,7 @@ class LineSums {
     for (size_t c = 0; c < 4; ++c) sums[1][c] += change[c] * in_next;
   }
 
+  void BeginPoints();
   void FlushColors(int lane);
   void FlushApart(int lane, PairWeights& weights);
   void FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights& weights);
@@ -132,14 +134,17 @@ class LineSums {
   const LineGroup* group_ = nullptr;
   TileColors* colors_ = nullptr;
 
-  /// By lane and step: differences along the line, and what is added to single steps.
+  /// By lane and step: differences along the line, and what is added to single steps, here and by the film's
+  /// PointColors.
   std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
-  std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_;
+  std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_, lane_points_;
+  bool has_points_ = false;  ///< lane_points_ means something.
   std::array<std::vector<Piece>, kLanes> apart_;
 
   // The lane in hand.
   Color* sums_ = nullptr;
   Color* shares_of_lane_ = nullptr;
+  Color* points_of_lane_ = nullptr;
   const Color* color_ = nullptr;
   double weight_ = 0;
   int32_t end_ = 0;

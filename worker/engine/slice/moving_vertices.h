@@ -36,6 +36,7 @@ struct PlacedVertices {
   std::vector<double> row;       ///< Pixels: line i of the class lies at row i.
   std::vector<double> position;  ///< Along the lines, subpixels.
   std::vector<double> depth;
+  std::vector<double> inverse_w;
 
   size_t size() const { return row.size(); }
   /// Keeps what is there.
@@ -44,6 +45,7 @@ struct PlacedVertices {
     row.resize(n);
     position.resize(n);
     depth.resize(n);
+    inverse_w.resize(n);
   }
 };
 

@@ -63,6 +63,7 @@ inline void PlaceVerticesKernel(const MovingVertices& vertices, size_t begin, si
     hn::StoreU(hn::IfThenElse(inside, row, nan), d, placed.row.data() + i);
     hn::StoreU(hn::Mul(position, subpixels), d, placed.position.data() + i);
     hn::StoreU(hn::Mul(at[2], inverse), d, placed.depth.data() + i);
+    hn::StoreU(inverse, d, placed.inverse_w.data() + i);
   }
 }
 

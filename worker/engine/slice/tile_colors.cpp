@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/math/tolerance.h"
+
 namespace shutterline::engine {
 namespace {
 
@@ -36,15 +38,14 @@ void TileColors::Shade(uint32_t index) {
   const uint32_t id = mesh_->triangles()[index].id;
   if (guesses_ && film_->HasPoints(id)) return ShadeByPoints(index);
   if (guesses_) {
-    const V3f color = film_->Guess(id);
-    colors_[index] = {double(color.x), double(color.y), double(color.z), 1};
-    kinds_[index] = ColorKind::kConstant;
+    SetConstant(index, film_->Guess(id));
     return;
   }
   const std::optional<ColorNodes> nodes = film_->Shade(id);
   if (!nodes && film_->HasPoints(id)) return ShadeByPoints(index);
   if (!nodes) {
     kinds_[index] = ColorKind::kApart;
+    smooth_[index].by_points = false;
     return;
   }
   double range = 0;
@@ -82,9 +83,21 @@ void TileColors::Shade(uint32_t index) {
 }
 
 void TileColors::ShadeByPoints(uint32_t index) {
-  kinds_[index] = ColorKind::kSmooth;
+  PointColors& points = film_->points();
+  const uint32_t id = mesh_->triangles()[index].id;
+  if (const std::optional<V3f> color = points.ColorOfAll(id)) {
+    SetConstant(index, *color);
+  } else {
+    kinds_[index] = ColorKind::kSmooth;
+    smooth_[index].prepared = points.Prepare(id);
+  }
   smooth_[index].by_points = true;
-  smooth_[index].prepared = film_->points().Prepare(mesh_->triangles()[index].id);
+}
+
+void TileColors::SetConstant(uint32_t index, const V3f& color) {
+  colors_[index] = {double(color.x), double(color.y), double(color.z), 1};
+  kinds_[index] = ColorKind::kConstant;
+  smooth_[index].by_points = false;
 }
 
 TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& position, double l) const {
@@ -104,6 +117,19 @@ TileColors::Color TileColors::ColorAt(uint32_t index, const LinePosition& positi
   }
   color[3] = 1;
   return color;
+}
+
+TileColors::Color TileColors::MeanColor(uint32_t index, const LinePosition& position, int32_t begin,
+                                        int32_t end) const {
+  const int parts = IsByPoints(index) ? 1 << PartsLog2(index) : 1;
+  const double part = (double(end) - double(begin)) / (kSubpixelsPerPixel * double(parts));
+  Color mean{};
+  for (int i = 0; i < parts; ++i) {
+    const double l = double(begin) / kSubpixelsPerPixel + (i + 0.5) * part;
+    const Color color = ColorAt(index, position, l);
+    for (size_t c = 0; c < 4; ++c) mean[c] += color[c] / parts;
+  }
+  return mean;
 }
 
 }  // namespace shutterline::engine

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/engine/slice/line_position.h"
 #include "worker/engine/slice/tile_mesh.h"
 #include "worker/engine/visibility/color_film.h"
+#include "worker/engine/visibility/line_position.h"
 
 namespace shutterline::engine {
 
@@ -43,15 +43,20 @@ class TileColors {
   /// Has KindOf been asked of it?
   bool WasSeen(uint32_t index) const { return kinds_[index] != ColorKind::kUnknown; }
 
-  /// Is the film asked for its colour, point by point?
-  bool IsByPoints(uint32_t index) const {
-    return kinds_[index] == ColorKind::kSmooth && smooth_[index].by_points;
-  }
+  /// Of one that was seen: does the film's PointColors know its colour?
+  bool IsByPoints(uint32_t index) const { return smooth_[index].by_points; }
+  /// Its number there, if it is kSmooth.
+  uint32_t PreparedOf(uint32_t index) const { return smooth_[index].prepared; }
 
+  /// Along a line points are looked at once every 2^-PartsLog2 pixels. Where a triangle moves, its motion
+  /// blurs what lies between them.
+  int PartsLog2(uint32_t index) const { return mesh_->triangles()[index].moves ? 0 : 2; }
   /// Of a constant one.
   const Color& ColorOf(uint32_t index) const { return colors_[index]; }
   /// Of a smooth one at `l` pixels along a line. Rounding does not leave the triangle.
   Color ColorAt(uint32_t index, const LinePosition& position, double l) const;
+  /// The mean of a smooth one between two subpixels of a step.
+  Color MeanColor(uint32_t index, const LinePosition& position, int32_t begin, int32_t end) const;
 
  private:
   /// Coefficients of 1, b1, b2, b1², b1 b2, b2²; or the film is asked point by point.
@@ -63,6 +68,7 @@ class TileColors {
 
   void Shade(uint32_t index);
   void ShadeByPoints(uint32_t index);
+  void SetConstant(uint32_t index, const V3f& color);
 
   const TileMesh* mesh_ = nullptr;
   ColorFilm* film_ = nullptr;
