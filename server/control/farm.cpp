@@ -158,7 +158,8 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
         .names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); },
         .camera = [&] { return parts_.camera(*job->spec(), *parts_.assets, number); },
     };
-    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, facts, path, durability);
+    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, facts, path,
+                         durability);
   };
   const absl::StatusOr<AssembledFrame> frame = write();
   if (frame.ok() && !frame->lost_tiles.empty()) {

@@ -221,7 +221,7 @@ class Farm {
 
   const Parts parts_;
   FarmObserver& observer_;  ///< Somebody who hears nothing, where nobody else was given.
-  LaterTasks later_;  ///< What the disk refused; Tick tries it again.
+  LaterTasks later_;        ///< What the disk refused; Tick tries it again.
   absl::Mutex control_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  ///< Held while a job's stored state changes.
   absl::Mutex mutex_;
   TileScheduler scheduler_ ABSL_GUARDED_BY(mutex_);
