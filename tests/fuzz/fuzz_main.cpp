@@ -62,9 +62,9 @@ int FuzzMain(int argc, char** argv, const char* name, const std::function<std::s
     }
   }
   if (argc % 2 == 0 || (count == 0) == (seconds <= 0)) return FuzzUsage(name);
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  using Steady = std::chrono::steady_clock;
+  const auto start = Steady::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Steady::now() - start).count(); };
   uint64_t done = 0;
   for (; count > 0 ? done < count : elapsed() < seconds; ++done, ++seed) {
     std::snprintf(current_input, sizeof current_input, "seed %" PRIu64 "\n", seed);

@@ -15,9 +15,9 @@ namespace shutterline {
 namespace {
 
 void RunFor(int seconds, const std::function<std::string(uint64_t)>& fuzz) {
-  using Clock = std::chrono::steady_clock;
-  const auto stop = Clock::now() + std::chrono::seconds(seconds);
-  for (uint64_t seed = 1; seed <= 100 || Clock::now() < stop; ++seed)
+  using Steady = std::chrono::steady_clock;
+  const auto stop = Steady::now() + std::chrono::seconds(seconds);
+  for (uint64_t seed = 1; seed <= 100 || Steady::now() < stop; ++seed)
     ASSERT_EQ(fuzz(seed), "") << "seed " << seed;
 }
 
