@@ -95,8 +95,8 @@ class JobStore {
 
   virtual absl::Status SetPaused(uint64_t key, bool paused) = 0;
   virtual absl::Status SetPriority(uint64_t key, int priority) = 0;
-  /// The job is to be tried again: it is unfinished and not paused, none of its tiles is quarantined, and
-  /// frames that lacked tiles are not finished.
+  /// The job is to be tried again: it is unfinished, none of its tiles is quarantined, and frames that lacked
+  /// tiles are not finished.
   virtual absl::Status Retry(uint64_t key) = 0;
 
   /// Notes workers (UUIDs) that are connected from now on (true), or not any more.

@@ -237,10 +237,9 @@ absl::Status SqliteJobStore::Transact(absl::FunctionRef<absl::Status()> work) {
 absl::Status SqliteJobStore::Retry(uint64_t key) {
   absl::MutexLock lock(&mutex_);
   return Transact([&]() ABSL_NO_THREAD_SAFETY_ANALYSIS -> absl::Status {
-    for (const char* sql :
-         {"UPDATE jobs SET state = 1, error = '', ended_us = NULL, paused = 0 WHERE key = ?",
-          "DELETE FROM finished_frames WHERE job_key = ? AND missing > 0",
-          "DELETE FROM quarantined_tiles WHERE job_key = ?"}) {
+    for (const char* sql : {"UPDATE jobs SET state = 1, error = '', ended_us = NULL WHERE key = ?",
+                            "DELETE FROM finished_frames WHERE job_key = ? AND missing > 0",
+                            "DELETE FROM quarantined_tiles WHERE job_key = ?"}) {
       SL_RETURN_IF_ERROR(SqliteStatement(database_, sql).Int(int64_t(key)).Run());
     }
     return absl::OkStatus();

@@ -88,6 +88,66 @@ TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
   EXPECT_TRUE(store_->FinishedFrames(a.key)->empty());
 }
 
+TEST_F(SqliteJobStoreTest, WishesPausesAndPrioritiesAreKept) {
+  const JobRecord first = store_->Create("a", Spec(1), {}, now_)->job;
+  const JobRecord made = store_->Create("b", Spec(1), {-7, "ann ä", {first.id, "other"}}, now_)->job;
+  ASSERT_TRUE(store_->SetPaused(made.key, true).ok());
+  Reopen();
+  const JobRecord job = store_->Get(made.id).value();
+  EXPECT_EQ(job.wishes.priority, -7);
+  EXPECT_EQ(job.wishes.user, "ann ä");
+  EXPECT_EQ(job.wishes.after, (std::vector<std::string>{first.id, "other"}));
+  EXPECT_TRUE(job.paused);
+  EXPECT_FALSE(store_->Get(first.id)->paused);
+  EXPECT_TRUE(store_->Get(first.id)->wishes.after.empty());
+  ASSERT_TRUE(store_->SetPriority(made.key, 9).ok());
+  ASSERT_TRUE(store_->SetPaused(made.key, false).ok());
+  EXPECT_EQ(store_->Get(made.id)->wishes.priority, 9);
+  EXPECT_FALSE(store_->Get(made.id)->paused);
+}
+
+TEST_F(SqliteJobStoreTest, QuarantinedTilesKeepTheirEvidenceUntilARetry) {
+  const JobRecord job = store_->Create("a", Spec(3), {}, now_)->job;
+  const JobRecord other = store_->Create("b", Spec(3), {}, now_)->job;
+  const TileTrouble trouble{"uuid", "name", true, std::string("why\0not", 7), now_};
+  TileTrouble second = trouble;
+  second.worker_ended = false;
+  ASSERT_TRUE(store_->Quarantine(job.key, {2, 77, {trouble}}).ok());
+  ASSERT_TRUE(store_->Quarantine(job.key, {2, 77, {trouble, second}}).ok());  // Replaces.
+  ASSERT_TRUE(store_->Quarantine(job.key, {1, 4'000'000'000u, {}}).ok());
+  ASSERT_TRUE(store_->Quarantine(other.key, {3, 1, {second}}).ok());
+  FinishedFrame partial{2, Sha256("exr"), 77, {}, 1};
+  ASSERT_TRUE(store_->AddFinishedFrame(job.key, partial).ok());
+  ASSERT_TRUE(store_->AddFinishedFrame(job.key, {3, Sha256("whole"), 7, {}, 0}).ok());
+  ASSERT_TRUE(store_->End(job.key, JobState::kPartial, "1 missing", now_).ok());
+  Reopen();
+  EXPECT_EQ(store_->Get(job.id)->state, JobState::kPartial);
+  EXPECT_EQ(store_->FinishedFrames(job.key)->at(0).missing, 1);
+  const std::vector<QuarantinedTile> tiles = store_->QuarantinedTiles(job.key).value();
+  ASSERT_EQ(tiles.size(), 2u);
+  EXPECT_EQ(tiles[0].tile, 4'000'000'000u);
+  EXPECT_TRUE(tiles[0].evidence.empty());
+  EXPECT_EQ(tiles[1].evidence, (std::vector<TileTrouble>{trouble, second}));
+  EXPECT_EQ(store_->QuarantinedFrames()->size(), 3u);
+
+  ASSERT_TRUE(store_->Retry(job.key).ok());
+  Reopen();
+  EXPECT_EQ(store_->Get(job.id)->state, JobState::kQueued);
+  EXPECT_EQ(store_->Get(job.id)->error, "");
+  EXPECT_EQ(store_->Unfinished()->size(), 2u);
+  EXPECT_TRUE(store_->QuarantinedTiles(job.key)->empty());
+  EXPECT_EQ(store_->QuarantinedTiles(other.key)->size(), 1u);
+  ASSERT_EQ(store_->FinishedFrames(job.key)->size(), 1u);  // The whole one.
+  EXPECT_EQ(store_->FinishedFrames(job.key)->at(0).frame, 3);
+}
+
+TEST_F(SqliteJobStoreTest, WorkersThatAreConnectedAreKnownAfterAReopen) {
+  ASSERT_TRUE(store_->NoteWorkers({{"a", true}, {"b", true}, {"c", true}}).ok());
+  ASSERT_TRUE(store_->NoteWorkers({{"b", false}, {"c", true}}).ok());
+  Reopen();
+  EXPECT_EQ(store_->ConnectedWorkers().value(), (std::vector<std::string>{"a", "c"}));
+}
+
 TEST_F(SqliteJobStoreTest, FolderOfOneStoreIsClosedToAnother) {
   EXPECT_TRUE(absl::IsFailedPrecondition(SqliteJobStore::Open(path_).status()));
 }

@@ -193,7 +193,7 @@ class History {
     if (worker.leases.empty()) return;
     const auto lease = std::next(worker.leases.begin(), Below(int(worker.leases.size())));
     std::vector<uint32_t>& tiles = lease->second.tiles;
-    if (Below(6) == 0) {
+    if (Below(4) == 0) {
       guilty_.insert(worker.uuid);
       const auto hopeless =
           scheduler_->Fail(lease->second.job, lease->second.frame, tiles.front(), id, "chance");
