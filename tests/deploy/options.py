@@ -5,9 +5,6 @@ import subprocess
 
 from programs import program
 
-# Options of parts that come with other changes; whoever adds one takes it out of here.
-COMING = {"shutterline-server": {"--tls-cert", "--tls-key", "--tls-client-ca"},
-          "shutterline-worker": {"--tls-ca", "--tls-cert", "--tls-key"}}
 _OPTION = re.compile(r"^ +(?:-\w,)?(--[a-z-]+)", re.MULTILINE)
 
 
@@ -34,4 +31,4 @@ def problems_of(command):
     words = command[1:]
     known = known_options(name, words[0]) if name == "shutterline" and words else known_options(name)
     return [f"{name} has no option {option}" for option in (word.partition("=")[0] for word in words)
-            if option.startswith("--") and option not in known and option not in COMING.get(name, ())]
+            if option.startswith("--") and option not in known]
