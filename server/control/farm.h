@@ -18,6 +18,7 @@
 
 #include "common/base/clock.h"
 #include "common/cryptomatte/cryptomatte.h"
+#include "common/image/exr.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/asset_store.h"
 #include "server/config/config.h"
