@@ -55,7 +55,8 @@ int main(int argc, char** argv) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   if (config->memory_bytes > 0) {
-    if (const absl::Status status = worker::LimitMemory(config->memory_bytes); !status.ok()) {
+    status = worker::LimitMemory(config->memory_bytes);
+    if (!status.ok()) {
       std::fprintf(stderr, "shutterline-worker: %s\n", std::string(status.message()).c_str());
       return 1;
     }
