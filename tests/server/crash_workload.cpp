@@ -62,6 +62,7 @@ absl::Status CrashWorkload::Open() {
   parts.identity = {"build", 1, 1};
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());
   parts.check_scene = [](const JobSpec&, server::AssetStore&) { return absl::OkStatus(); };
+  parts.camera = [](const JobSpec&, server::AssetStore&, int) { return CameraMatrices(); };
   farm_ = std::make_unique<Farm>(std::move(parts));
   return farm_->Resume();
 }
@@ -125,7 +126,7 @@ absl::StatusOr<server::JobSnapshot> CrashWorkload::FindJob() {
 absl::Status CrashWorkload::Submit(Acknowledged& acknowledged) {
   SL_RETURN_IF_ERROR(UploadBlob());
   acknowledged.blob = true;
-  SL_RETURN_IF_ERROR(farm_->Submit("request", Spec()).status());
+  SL_RETURN_IF_ERROR(farm_->Submit("request", Spec(), {}).status());
   acknowledged.job = true;
   return absl::OkStatus();
 }

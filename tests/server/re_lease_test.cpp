@@ -28,7 +28,7 @@ class Holder final : public server::WorkerSink {
     hello.slots = 1;
     const auto entry = farm_.Register(hello);
     EXPECT_TRUE(entry.ok()) << entry.status();
-    const auto id = farm_.Attach(entry->session_id, farm_.epoch(), this);
+    const auto id = farm_.Attach(entry->session_id, farm_.epoch(), {}, this);
     EXPECT_TRUE(id.ok()) << id.status();
     id_ = *id;
     farm_.AddCredit(id_, credit);

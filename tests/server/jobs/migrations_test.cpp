@@ -38,6 +38,13 @@ constexpr Released kReleased[] = {
      "00000"
      "004068407005f00102c002042a0408011002",
      "1, 1, zeroblob(32), 99, x'080c'"},
+    {"a64c7dbe4c3a181828b7479d8bc8675ddfd50b50f8d12b4150e9a4c53a77bfb5",
+     "0a05666972737412360a05612e676c62122d0a05612e676c6212220a20303132333435363738396162636465663031323334353"
+     "63738"
+     "39616263646566184d1a06080110031802222f0864103219000000000000384029000000000000e03f400148035001590000000"
+     "00000"
+     "004068407005f00102c002042a0408011002",
+     "1, 1, zeroblob(32), 99, x'080c', 2"},
 };
 
 class MigrationsTest : public testing::Test {
@@ -115,9 +122,10 @@ TEST_F(MigrationsTest, EveryVersionsStoreKeepsAllThatWasInIt) {
       ASSERT_TRUE(frames.ok() && frames->size() == 1) << frames.status();
       EXPECT_EQ(frames->front().size, 99u);
       EXPECT_EQ(frames->front().stats.tiles, version >= 2 ? 12 : 0);
+      EXPECT_EQ(frames->front().missing, version >= 3 ? 2 : 0);
       // Numbers go on.
       if (epoch == 42) {
-        EXPECT_EQ((*store)->Create("request 3", waits.spec, absl::FromUnixMicros(5))->job.key, 3u);
+        EXPECT_EQ((*store)->Create("request 3", waits.spec, {}, absl::FromUnixMicros(5))->job.key, 3u);
         ASSERT_TRUE((*store)->End(3, JobState::kCancelled, "", absl::FromUnixMicros(6)).ok());
       }
     }
