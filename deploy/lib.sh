@@ -20,8 +20,9 @@ listed_packages() {
 missing_packages() {
   local package
   while read -r package; do
-    # Node often comes from elsewhere, with npm in it, and Debian's packages would conflict with that one.
+    # These often come from elsewhere (Node with npm in it), and Debian's packages would conflict with those.
     case $package in
+      kubernetes-client) if command -v kubectl >/dev/null; then continue; fi ;;
       nodejs) if command -v node >/dev/null; then continue; fi ;;
       npm) if command -v npm >/dev/null; then continue; fi ;;
     esac

@@ -229,7 +229,7 @@ TEST(ConvertStatusTest, RetryHintsTravelAsRetryInfoAndHostileDetailsSayNothing) 
   EXPECT_EQ(RetryHint(FromGrpc(sent)), absl::Milliseconds(1500));
   EXPECT_EQ(FromGrpc(sent).message(), "disk full");
   EXPECT_EQ(ToGrpc(absl::ResourceExhaustedError("too large")).error_details(), "");
-  for (const std::string hostile :
+  for (const std::string& hostile :
        {std::string("\xff\xff"), std::string(1000, '\x1a'), std::string("\x1a\x02\x12\x00", 4)}) {
     EXPECT_EQ(RetryHint(FromGrpc(grpc::Status(grpc::StatusCode::UNAVAILABLE, "x", hostile))), std::nullopt);
   }
