@@ -264,8 +264,16 @@ TEST_F(HttpServerTest, ControlNeedsMarkerAndJson) {
   cross.emplace("Origin", "http://evil.example");
   EXPECT_EQ(Client().Post(at, cross, cancel, "application/json")->status, 403);
   EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_QUEUED);
+  for (const bool paused : {true, false}) {
+    const std::string action = absl::StrCat("{\"action\": \"", paused ? "pause" : "resume", "\"}");
+    EXPECT_EQ(Client().Post(at, Control(), action, "application/json")->status, 200);
+    EXPECT_EQ(GetJson(absl::StrCat("/api/jobs/", job.id()))["paused"], paused);
+  }
+  EXPECT_EQ(GetJson(absl::StrCat("/api/jobs/", job.id(), "/quarantined"))["quarantined"], json::array());
   EXPECT_EQ(Client().Post(at, Control(), cancel, "application/json")->status, 200);
   EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(Client().Post(at, Control(), R"({"action": "retry"})", "application/json")->status, 200);
+  EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_QUEUED);
 }
 
 TEST_F(HttpServerTest, StrangersAreRefused) {
