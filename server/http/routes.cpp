@@ -18,7 +18,8 @@
 namespace shutterline::server {
 namespace {
 
-constexpr int64_t kMaxPage = 500;  ///< Jobs, or frames, of one answer.
+constexpr int64_t kMaxPage = 500;        ///< Jobs, or frames, of one answer.
+constexpr size_t kMaxQuarantined = 100;  ///< Tiles of one answer.
 constexpr size_t kMaxPathBytes = 512;
 constexpr absl::Duration kLook = absl::Milliseconds(250);  ///< Between two looks of a stream.
 
@@ -213,6 +214,12 @@ absl::Status Routes::GetApi(const Path& path, const Request& request, Response& 
     SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm->Get(job_id));
     return Answer(ToJson(job), response);
   }
+  if (path[3] == "quarantined" && path.size() == 4) {
+    SL_ASSIGN_OR_RETURN(const auto tiles, parts_.farm->QuarantinedTiles(job_id, kMaxQuarantined));
+    Json list = Json::array();
+    for (const QuarantinedTile& tile : tiles) list.push_back(ToJson(tile));
+    return Answer({{"quarantined", list}}, response);
+  }
   if (path[3] != "frames") return absl::NotFoundError("there is nothing here");
   if (path.size() == 4) {
     SL_ASSIGN_OR_RETURN(
@@ -326,6 +333,15 @@ absl::Status Routes::GetEvents(const Request& request, Response& response) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<JobSnapshot> Routes::Control(const std::string& job_id, const std::string& action) {
+  if (action == "cancel") return parts_.farm->Cancel(job_id);
+  if (action == "pause") return parts_.farm->SetPaused(job_id, true);
+  if (action == "resume") return parts_.farm->SetPaused(job_id, false);
+  if (action == "retry") return parts_.farm->Retry(job_id);
+  return absl::InvalidArgumentError(absl::StrCat("action: ", LogValue(action.substr(0, 80)),
+                                                 " is none of cancel, pause, resume and retry"));
+}
+
 absl::Status Routes::Post(const Request& request, Response& response) {
   const HttpRequestFacts facts = FactsOf(request);
   SL_RETURN_IF_ERROR(parts_.may_control(facts));
@@ -333,13 +349,9 @@ absl::Status Routes::Post(const Request& request, Response& response) {
   const std::string job_id(path[2]);
   const Json body = Json::parse(request.body, nullptr, /*allow_exceptions=*/false);
   if (!body.is_object() || !body.contains("action") || !body["action"].is_string())
-    return absl::InvalidArgumentError(R"(the body must be {"action": "cancel"})");
+    return absl::InvalidArgumentError(R"(the body must be {"action": "cancel"}, or pause, resume or retry)");
   const std::string action = body["action"].get<std::string>();
-  if (action != "cancel") {
-    return absl::InvalidArgumentError(
-        absl::StrCat("action: ", LogValue(action.substr(0, 80)), " is not known; there is: cancel"));
-  }
-  SL_ASSIGN_OR_RETURN(const JobSnapshot job, parts_.farm->Cancel(job_id));
+  SL_ASSIGN_OR_RETURN(const JobSnapshot job, Control(job_id, action));
   spdlog::info("job controlled over HTTP job={} action={} from={}", job.id, action, facts.remote_address);
   return Answer(ToJson(job), response);
 }

@@ -37,6 +37,7 @@ class Routes {
   absl::Status GetEvents(const Request& request, Response& response);
   absl::Status GetFile(absl::string_view name, const Request& request, Response& response);
   absl::Status Post(const Request& request, Response& response);
+  absl::StatusOr<JobSnapshot> Control(const std::string& job_id, const std::string& action);
   absl::StatusOr<Json> Jobs(const Request& request);
   Json Overview(const Request& request);
 

@@ -73,6 +73,18 @@ Json ToJson(const FrameSnapshot& frame) {
       {"thread_seconds", frame.stats.tiles > 0 ? Json(Rounded(frame.stats.TotalSeconds())) : Json(nullptr)}};
 }
 
+Json ToJson(const QuarantinedTile& tile) {
+  Json evidence = Json::array();
+  for (const TileTrouble& trouble : tile.evidence) {
+    evidence.push_back({{"worker_uuid", trouble.worker_uuid},
+                        {"worker_name", trouble.worker_name},
+                        {"worker_ended", trouble.worker_ended},
+                        {"reason", trouble.reason},
+                        {"time", TimeOf(trouble.when)}});
+  }
+  return {{"frame", tile.frame}, {"tile", tile.tile}, {"evidence", evidence}};
+}
+
 Json ToJson(const WorkerSnapshot& worker) {
   return {{"uuid", worker.uuid},
           {"name", worker.name},

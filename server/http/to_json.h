@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 Json ToJson(const JobSnapshot& job);
 Json ToJson(const FrameSnapshot& frame);
 Json ToJson(const WorkerSnapshot& worker);
+Json ToJson(const QuarantinedTile& tile);
 Json ToJson(const FarmTotals& totals);
 /// Rows [tile, render seconds, index of the worker].
 Json ToJson(const FrameTimeline& timeline);

@@ -150,6 +150,11 @@ async function main() {
   await page.locator('#main').focus();
   await tabTo(`a[href="#/jobs/${doomed}"]`);
   await page.keyboard.press('Enter');
+  await page.locator('#action-pause').waitFor();
+  await tabTo('#action-pause');
+  await page.keyboard.press('Enter');
+  await page.locator('#action-resume').waitFor();
+  assert.equal(JSON.parse(await farm.client('status', doomed, '--json')).paused, true);
   await page.locator('#action-cancel').waitFor();
   await tabTo('#action-cancel');
   await page.keyboard.press('Enter');

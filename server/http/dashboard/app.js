@@ -167,16 +167,22 @@ function showJob(job) {
     pair.append(make('dt', '', name), make('dd', '', value));
     return pair;
   }));
-  showQuarantine(job.quarantined || []);
+  showQuarantine(job);
   showActions(job);
 }
 
-/** Tiles that ended several workers, with their evidence: there where the coordinator tells of some. */
-function showQuarantine(tiles) {
-  $('quarantine').hidden = tiles.length === 0;
-  $('quarantine-list').replaceChildren(...tiles.map((tile) => {
-    const item = make('li', '', `Frame ${tile.frame}, tile ${tile.tile}: ${tile.reason || ''}`);
-    for (const evidence of tile.evidence || []) item.append(make('pre', '', evidence));
+/** Tiles that are not tried any more, with their evidence: asked for where there are others than are shown. */
+async function showQuarantine(job) {
+  $('quarantine').hidden = job.tiles_quarantined === 0;
+  const wanted = `${job.id} ${job.tiles_quarantined}`;
+  if (job.tiles_quarantined === 0 || $('quarantine-list').dataset.shown === wanted) return;
+  $('quarantine-list').dataset.shown = wanted;
+  const {quarantined} = await ask(`/api/jobs/${job.id}/quarantined`).catch(() => ({quarantined: []}));
+  $('quarantine-list').replaceChildren(...quarantined.map((tile) => {
+    const item = make('li', '', `Frame ${tile.frame}, tile ${tile.tile}`);
+    const words = tile.evidence.map((trouble) =>
+      `${trouble.worker_name || trouble.worker_uuid} ${trouble.worker_ended ? 'ended' : 'failed'}: ${trouble.reason}`);
+    item.append(make('pre', '', words.join('\n')));
     return item;
   }));
 }
@@ -191,7 +197,8 @@ let mayControl = false;  // Until the coordinator says that we may.
 
 function actionsOf(job) {
   if (!mayControl) return [];
-  return job.actions || (ended(job) ? [] : ['cancel']);
+  if (ended(job)) return job.state === 'succeeded' ? [] : ['retry'];
+  return [...job.tiles_quarantined > 0 ? ['retry'] : [], job.paused ? 'resume' : 'pause', 'cancel'];
 }
 
 function showActions(job) {

@@ -125,8 +125,8 @@ TEST_F(HttpServerTest, MetricsAddUpOverARun) {
   EXPECT_EQ(samples.at("shutterline_frames_written_total"), 2);
   EXPECT_EQ(samples.at("shutterline_frame_write_seconds_count"), 2);
   double bytes = 0;
-  for (const json& frame : GetJson(absl::StrCat("/api/jobs/", job.id(), "/frames"))["frames"])
-    bytes += frame["size_bytes"].get<double>();
+  const json frames = GetJson(absl::StrCat("/api/jobs/", job.id(), "/frames"));
+  for (const json& frame : frames["frames"]) bytes += frame["size_bytes"].get<double>();
   EXPECT_EQ(samples.at("shutterline_frame_written_bytes_total"), bytes);
   EXPECT_EQ(samples.at("shutterline_jobs_accepted_total"), 1);
   EXPECT_EQ(samples.at("shutterline_jobs_ended_total{state=\"succeeded\"}"), 1);
@@ -213,7 +213,8 @@ TEST_F(HttpServerTest, TheApiTellsAJobFromItsTilesToItsPicture) {
   EXPECT_EQ(Get(frame + "/picture.png?side=50", {{"If-None-Match", picture.get_header_value("ETag")}}).status,
             304);
   int64_t sum = 0;
-  for (const json& step : GetJson("/api/throughput")["tiles"]) sum += step.get<int64_t>();
+  const json throughput = GetJson("/api/throughput");
+  for (const json& step : throughput["tiles"]) sum += step.get<int64_t>();
   EXPECT_EQ(sum, 24);
 }
 
@@ -264,8 +265,16 @@ TEST_F(HttpServerTest, ControlNeedsMarkerAndJson) {
   cross.emplace("Origin", "http://evil.example");
   EXPECT_EQ(Client().Post(at, cross, cancel, "application/json")->status, 403);
   EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_QUEUED);
+  for (const bool paused : {true, false}) {
+    const std::string action = absl::StrCat("{\"action\": \"", paused ? "pause" : "resume", "\"}");
+    EXPECT_EQ(Client().Post(at, Control(), action, "application/json")->status, 200);
+    EXPECT_EQ(GetJson(absl::StrCat("/api/jobs/", job.id()))["paused"], paused);
+  }
+  EXPECT_EQ(GetJson(absl::StrCat("/api/jobs/", job.id(), "/quarantined"))["quarantined"], json::array());
   EXPECT_EQ(Client().Post(at, Control(), cancel, "application/json")->status, 200);
   EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(Client().Post(at, Control(), R"({"action": "retry"})", "application/json")->status, 200);
+  EXPECT_EQ(CoordinatorFixture::Get(job.id()).state(), v1::JOB_STATE_QUEUED);
 }
 
 TEST_F(HttpServerTest, StrangersAreRefused) {
