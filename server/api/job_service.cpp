@@ -2,12 +2,10 @@
 
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
 #include "server/api/fetch_reactor.h"
