@@ -105,6 +105,9 @@ TEST_F(QuarantineTest, RetryOfARunningJobQueuesTheTileAgain) {
 
 TEST_F(QuarantineTest, TileThatKillsThreeWorkersIsQuarantinedWithTheirNames) {
   const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 64, 32));
+  FakeWorker survivor(channel_, "survivor");
+  survivor.Credit(1);
+  const v1::Grant good = survivor.NextGrant();  // So that there is one tile for all victims.
   uint32_t deadly = 0;
   for (int i = 0; i < 3; ++i) {
     FakeWorker victim(channel_, absl::StrCat("victim ", i));
@@ -115,8 +118,9 @@ TEST_F(QuarantineTest, TileThatKillsThreeWorkersIsQuarantinedWithTheirNames) {
     EXPECT_EQ(grant.tiles(0), deadly);
     victim.Die();
   }
-  FakeWorker survivor(channel_, "survivor");
-  survivor.RenderUntilForgotten();
+  while (Get(job.id()).tiles_quarantined() == 0) {
+  }
+  survivor.Render(good);
   EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_PARTIAL);
   const v1::Job ended = Get(job.id());
   ASSERT_EQ(ended.quarantined_size(), 1);
