@@ -91,8 +91,7 @@ TEST_F(QuarantineTest, RetryOfARunningJobQueuesTheTileAgain) {
   for (int i = 0; i < 3; ++i) worker.FailNext("no");
   worker.Credit(1);
   worker.Render(worker.NextGrant());
-  while (Get(job.id()).frames_finished() < 1) {
-  }
+  WatchUntil(job.id(), [](const v1::Job& j) { return j.frames_finished() == 1; });
   EXPECT_EQ(Get(job.id()).state(), v1::JOB_STATE_RUNNING);
   const v1::Job again = ControlOrDie(job.id(), Request::ACTION_RETRY);
   EXPECT_EQ(again.tiles_quarantined(), 0u);
@@ -118,8 +117,7 @@ TEST_F(QuarantineTest, TileThatKillsThreeWorkersIsQuarantinedWithTheirNames) {
     EXPECT_EQ(grant.tiles(0), deadly);
     victim.Die();
   }
-  while (Get(job.id()).tiles_quarantined() == 0) {
-  }
+  WatchUntil(job.id(), [](const v1::Job& j) { return j.tiles_quarantined() == 1; });
   survivor.Render(good);
   EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_PARTIAL);
   const v1::Job ended = Get(job.id());
@@ -147,8 +145,7 @@ TEST_F(QuarantineTest, MissingTilesAndFinishedFramesOfARunningJobSurviveARestart
     for (int i = 0; i < 3; ++i) worker.FailNext("no");
     worker.Credit(1);
     worker.Render(worker.NextGrant());
-    while (Get(job.id()).frames_finished() < 1) {
-    }
+    WatchUntil(job.id(), [](const v1::Job& j) { return j.frames_finished() == 1; });
   }
   StopCoordinator();
   StartCoordinator();
