@@ -145,10 +145,28 @@ TEST(JsonOutput, KeysAreStable) {
     for (const auto& [key, value] : json.items()) names.push_back(key);
     return names;
   };
-  EXPECT_EQ(keys(ToJson(job)),
-            (std::vector<std::string>{"id", "state", "error", "frames_total", "frames_finished",
-                                      "tiles_total", "tiles_done", "workers", "mismatched_tiles", "submitted",
-                                      "ended", "name", "scene", "frames", "width", "height"}));
+  EXPECT_EQ(keys(ToJson(job)), (std::vector<std::string>{"id",
+                                                         "state",
+                                                         "error",
+                                                         "frames_total",
+                                                         "frames_finished",
+                                                         "tiles_total",
+                                                         "tiles_done",
+                                                         "workers",
+                                                         "mismatched_tiles",
+                                                         "priority",
+                                                         "user",
+                                                         "paused",
+                                                         "after",
+                                                         "waits_for",
+                                                         "tiles_quarantined",
+                                                         "submitted",
+                                                         "ended",
+                                                         "name",
+                                                         "scene",
+                                                         "frames",
+                                                         "width",
+                                                         "height"}));
   EXPECT_EQ(keys(ToJson(FetchedFrame{})),
             (std::vector<std::string>{"frame", "file", "preview", "size_bytes", "digest"}));
   EXPECT_EQ(keys(ToJson(UploadReport{})),
@@ -156,9 +174,9 @@ TEST(JsonOutput, KeysAreStable) {
   EXPECT_EQ(keys(ToJson(v1::Worker())),
             (std::vector<std::string>{"uuid", "name", "build_id", "isa", "slots", "draining", "leased_tiles",
                                       "tiles_done", "tile_seconds", "silent_seconds"}));
-  EXPECT_EQ(
-      keys(ToJson(v1::FrameStatus())),
-      (std::vector<std::string>{"frame", "state", "tiles_total", "tiles_done", "digest", "size_bytes"}));
+  EXPECT_EQ(keys(ToJson(v1::FrameStatus())),
+            (std::vector<std::string>{"frame", "state", "tiles_total", "tiles_done", "tiles_missing",
+                                      "digest", "size_bytes"}));
   EXPECT_TRUE(ToJson(job)["ended"].is_null());
   EXPECT_EQ(ToJson(job)["state"], "running");
 }

@@ -152,6 +152,20 @@ v1::Job CoordinatorFixture::WaitForEnd(const std::string& job_id, std::vector<v1
   return last;
 }
 
+void CoordinatorFixture::WatchUntil(const std::string& job_id,
+                                    const std::function<bool(const v1::Job&)>& reached) {
+  grpc::ClientContext context;
+  v1::WatchRequest request;
+  request.set_job_id(job_id);
+  const auto reader = jobs_->Watch(&context, request);
+  v1::JobEvent event;
+  bool is_reached = false;
+  while (!is_reached && reader->Read(&event)) is_reached = event.has_job() && reached(event.job());
+  EXPECT_TRUE(is_reached) << "the job ended before: " << event.ShortDebugString();
+  context.TryCancel();
+  reader->Finish();
+}
+
 grpc::Status CoordinatorFixture::Fetch(const std::string& job_id, int frame, uint64_t offset,
                                        std::string& bytes, v1::FrameChunk& first) {
   grpc::ClientContext context;

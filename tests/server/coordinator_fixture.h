@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,6 +42,8 @@ class CoordinatorFixture : public testing::Test {
   /// Watches until the job has ended; returns its last state.
   v1::Job WaitForEnd(const std::string& job_id, std::vector<v1::JobEvent>* events = nullptr,
                      uint64_t after_seq = 0);
+  /// Watches until `reached` holds for the job, which must be before its end.
+  void WatchUntil(const std::string& job_id, const std::function<bool(const v1::Job&)>& reached);
   grpc::Status Fetch(const std::string& job_id, int frame, uint64_t offset, std::string& bytes,
                      v1::FrameChunk& first);
   /// Fetches the frame, checks its digest and that every pixel is the synthetic one.

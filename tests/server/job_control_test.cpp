@@ -131,8 +131,7 @@ TEST_F(JobControlTest, RetryOfACancelledJobRendersWhatIsMissingAndKeepsFinishedF
   FakeWorker worker(channel_);
   worker.Credit(1);
   worker.Render(worker.NextGrant());
-  while (Get(job.id()).frames_finished() < 1) {
-  }
+  WatchUntil(job.id(), [](const v1::Job& j) { return j.frames_finished() == 1; });
   v1::Job cancelled;
   ASSERT_TRUE(Cancel(job.id(), cancelled).ok());
   const v1::Job again = ControlOrDie(job.id(), Request::ACTION_RETRY);

@@ -91,8 +91,7 @@ TEST_F(QuarantineTest, RetryOfARunningJobQueuesTheTileAgain) {
   for (int i = 0; i < 3; ++i) worker.FailNext("no");
   worker.Credit(1);
   worker.Render(worker.NextGrant());
-  while (Get(job.id()).frames_finished() < 1) {
-  }
+  WatchUntil(job.id(), [](const v1::Job& j) { return j.frames_finished() == 1; });
   EXPECT_EQ(Get(job.id()).state(), v1::JOB_STATE_RUNNING);
   const v1::Job again = ControlOrDie(job.id(), Request::ACTION_RETRY);
   EXPECT_EQ(again.tiles_quarantined(), 0u);
@@ -105,6 +104,9 @@ TEST_F(QuarantineTest, RetryOfARunningJobQueuesTheTileAgain) {
 
 TEST_F(QuarantineTest, TileThatKillsThreeWorkersIsQuarantinedWithTheirNames) {
   const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 64, 32));
+  FakeWorker survivor(channel_, "survivor");
+  survivor.Credit(1);
+  const v1::Grant good = survivor.NextGrant();  // So that there is one tile for all victims.
   uint32_t deadly = 0;
   for (int i = 0; i < 3; ++i) {
     FakeWorker victim(channel_, absl::StrCat("victim ", i));
@@ -115,8 +117,8 @@ TEST_F(QuarantineTest, TileThatKillsThreeWorkersIsQuarantinedWithTheirNames) {
     EXPECT_EQ(grant.tiles(0), deadly);
     victim.Die();
   }
-  FakeWorker survivor(channel_, "survivor");
-  survivor.RenderUntilForgotten();
+  WatchUntil(job.id(), [](const v1::Job& j) { return j.tiles_quarantined() == 1; });
+  survivor.Render(good);
   EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_PARTIAL);
   const v1::Job ended = Get(job.id());
   ASSERT_EQ(ended.quarantined_size(), 1);
@@ -143,8 +145,7 @@ TEST_F(QuarantineTest, MissingTilesAndFinishedFramesOfARunningJobSurviveARestart
     for (int i = 0; i < 3; ++i) worker.FailNext("no");
     worker.Credit(1);
     worker.Render(worker.NextGrant());
-    while (Get(job.id()).frames_finished() < 1) {
-    }
+    WatchUntil(job.id(), [](const v1::Job& j) { return j.frames_finished() == 1; });
   }
   StopCoordinator();
   StartCoordinator();
