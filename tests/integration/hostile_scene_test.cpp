@@ -99,7 +99,8 @@ TEST_F(HostileSceneTest, BombsAreRefusedWithAReasonWhileAnotherJobIsRendered) {
   };
   put_side(16, 60'000);
   put_side(20, 60'000);
-  EXPECT_THAT(Refusal(Write("huge.glb", Textured(huge).Glb())), HasSubstr("60000 × 60000 pixels"));
+  EXPECT_THAT(Refusal(Write("huge.glb", Textured(huge).Glb())),
+              HasSubstr("image 0: its PNG header cannot be read"));
   const std::string packed = BlackPng(16'384);
   EXPECT_LT(packed.size(), size_t{100'000});
   EXPECT_THAT(Refusal(Write("packed.glb", Textured(packed).Glb())),
