@@ -141,7 +141,10 @@ TEST_F(HostileClientTest, AJobIsRenderedWhileTheCoordinatorIsUnderAttack) {
 
   // Huge lists, several at a time.
   std::string list;
-  for (int i = 0; i < 400'000; ++i) list += "\x0a\x22\x0a\x20" + std::string(32, char(i));
+  for (int i = 0; i < 400'000; ++i) {
+    list += "\x0a\x22\x0a\x20";
+    list.append(32, char(i));
+  }
   ASSERT_LT(list.size(), size_t{16 * kMebibyte});
   std::vector<std::thread> flood;
   for (int t = 0; t < 3; ++t) {
