@@ -23,7 +23,12 @@ class TraceCommand : public Command {
   void Declare(CLI::App& app) override {
     AddJobArgument(app, job_);
     server_.Declare(app);
-    app.add_option("-o,--output", output_, "The file to write; - is standard output")->capture_default_str();
+    AddValue(app, "-o,--output", "FILE", output_, "The file to write; - is standard output",
+             [this](const std::string& text) {
+               if (text.empty()) return absl::InvalidArgumentError("must be a file's path, or -");
+               output_ = text;
+               return absl::OkStatus();
+             });
     AddValue(app, "--frame", "N", "all that the server remembers", "The one frame to trace",
              [this](const std::string& text) {
                SL_ASSIGN_OR_RETURN(const FrameRange one, ParseFrame(text));

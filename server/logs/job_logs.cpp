@@ -1,5 +1,6 @@
 #include "server/logs/job_logs.h"
 
+#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
@@ -15,14 +16,22 @@ constexpr absl::string_view kFull =
     "The log of this job is full: what follows is in the coordinator's alone.\n";
 constexpr size_t kUuidBytes = 36;
 
-/// The job that a message speaks of. Fields are written through LogValue or are ids, so that no stranger's
-/// text holds " job=".
+/// The job that a message speaks of: the value of its field job. What strangers chose stands in quotes where
+/// it has spaces (LogValue), so that a field within quotes is none.
 std::optional<absl::string_view> JobOf(absl::string_view message) {
   constexpr absl::string_view kField = " job=";
-  const size_t at = message.find(kField);
-  if (at == absl::string_view::npos) return std::nullopt;
-  const absl::string_view id = message.substr(at + kField.size(), kUuidBytes);
-  return IsUuid(id) ? std::optional(id) : std::nullopt;
+  bool quoted = false;
+  for (size_t i = 0; i < message.size(); ++i) {
+    if (quoted && message[i] == '\\') {
+      ++i;  // What follows is escaped.
+    } else if (message[i] == '"') {
+      quoted = !quoted;
+    } else if (!quoted && absl::StartsWith(message.substr(i), kField)) {
+      const absl::string_view id = message.substr(i + kField.size(), kUuidBytes);
+      return IsUuid(id) ? std::optional(id) : std::nullopt;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace

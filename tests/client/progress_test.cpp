@@ -45,6 +45,26 @@ TEST(Progress, LinesAreFewAndEndAtHundredPercent) {
   EXPECT_EQ(text.find('\x1b'), std::string::npos) << "no terminal codes in a log";
 }
 
+TEST(Progress, APictureStandsAboveTheBarAndIsDrawnOverItself) {
+  HandClock clock;
+  std::ostringstream out;
+  Progress progress(ProgressStyle::kBar, out, clock);
+  progress.SetPicture({"too early"});
+  progress.Update(Facts(1, 2));
+  progress.SetPicture({"aa", "bb"});
+  const size_t before = out.str().size();
+  progress.SetPicture({"cc", "dd"});
+  const std::string second = out.str().substr(before);
+  EXPECT_EQ(second.substr(0, 5), "\r\x1b[2A") << "up over two rows";
+  EXPECT_NE(second.find("cc\x1b[K\ndd\x1b[K\n"), std::string::npos) << second;
+  EXPECT_EQ(out.str().find("too early"), std::string::npos) << "there was no bar yet";
+  std::ostringstream lines;
+  Progress plain(ProgressStyle::kLines, lines, clock);
+  plain.Update(Facts(1, 2));
+  plain.SetPicture({"cc"});
+  EXPECT_EQ(lines.str().find("cc"), std::string::npos);
+}
+
 TEST(Progress, LinesTellAChangeOfStateAtOnce) {
   HandClock clock;
   std::ostringstream out;
@@ -74,7 +94,7 @@ TEST(Progress, BarIsOneLineAndRedrawnSparingly) {
   const std::string text = out.str();
   EXPECT_LE(std::count(text.begin(), text.end(), '\r'), 14);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << "the note's line and the last";
-  EXPECT_NE(text.find("\r\x1b[Ka word\n["), std::string::npos) << text;
+  EXPECT_NE(text.find("\ra word\x1b[J\n\x1b[?7l["), std::string::npos) << text;
   EXPECT_EQ(text.substr(text.size() - 1), "\n");
 }
 

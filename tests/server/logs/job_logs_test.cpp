@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "common/base/ids.h"
@@ -56,7 +57,11 @@ TEST_F(JobLogsTest, EachJobHasTheLinesThatNameIt) {
 
 TEST_F(JobLogsTest, StrangersCannotWriteIntoAnotherJobsLogNorNameFiles) {
   spdlog::info("job accepted name={} job={}", LogValue(absl::StrCat("x job=", b_)), a_);
+  spdlog::info("job accepted name={} job={}", LogValue(absl::StrCat("x\" job=", b_)), a_);
+  spdlog::info("job accepted name={} job={}", LogValue(absl::StrCat("x\\\" job=", b_, " \\")), a_);
   EXPECT_EQ(Read(b_), "");
+  const std::string own = Read(a_);
+  EXPECT_EQ(std::count(own.begin(), own.end(), '\n'), 3);
   spdlog::info("odd job=../../../../tmp/x");
   spdlog::info("short job=");
   EXPECT_EQ(logs_->Read("../logs/x", 0, 10).status().code(), absl::StatusCode::kInvalidArgument);
