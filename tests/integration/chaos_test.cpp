@@ -28,7 +28,7 @@ namespace {
 /// killed is killed in mid-frame.
 std::vector<std::string> Picture(int frame) {
   return {"--size",       "186x140",   "--float", "--frame", absl::StrCat(frame),
-          "--integrator", "reference", "--spp",   "64"};
+          "--integrator", "reference", "--spp",   "32"};
 }
 constexpr int kFrames = 3;
 constexpr int kDisturbedSubmits = 2;
