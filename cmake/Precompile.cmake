@@ -22,9 +22,7 @@ function(precompile name)
   add_library(precompiled_${name} OBJECT "${source}")
   target_link_libraries(precompiled_${name} PRIVATE ${G_LIBS} shutterline_warnings)
   target_precompile_headers(precompiled_${name} PRIVATE ${G_HEADERS})
-  if(name MATCHES "test")
-    compile_test_for_sanitizers(precompiled_${name})  # As those who use it.
-  endif()
+  compile_for_sanitizers(precompiled_${name} ${name})  # As those who use it.
 endfunction()
 
 set(base_headers
@@ -63,9 +61,7 @@ function(use_precompiled target)
   else()
     set(group base)
   endif()
-  if(group MATCHES "test")
-    compile_test_for_sanitizers(${target})
-  endif()
+  compile_for_sanitizers(${target} ${group})
   if(TARGET precompiled_${group})
     target_precompile_headers(${target} REUSE_FROM precompiled_${group})
     if(group MATCHES "test")
