@@ -2,6 +2,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <utility>
+
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
 #include "proto/convert/status.h"
@@ -114,17 +116,8 @@ void BlobWriteReactor::End(const absl::Status& status) {
 
 BlobReadReactor::BlobReadReactor(AssetStore& store, WorkPool& pool, StreamLimits& limits,
                                  const v1::ReadRequest& request)
-    : store_(store), pool_(pool), request_(request) {
-  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
-    Finish(convert::ToGrpc(taken));
-    return;
-  }
-  const bool accepted = pool_.Run([this] {
-    const absl::Status status = Open();
-    if (!status.ok()) return Finish(convert::ToGrpc(status));
-    Next();
-  });
-  if (!accepted) Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
+    : DownloadReactor(pool), store_(store), request_(request) {
+  Start(limits);
 }
 
 absl::Status BlobReadReactor::Open() {
@@ -135,21 +128,21 @@ absl::Status BlobReadReactor::Open() {
     return absl::OutOfRangeError(
         absl::StrCat("offset: is ", offset_, ", but the blob has ", size_, " bytes"));
   }
-  *chunk_.mutable_digest() = request_.digest();
-  chunk_.set_size_bytes(size_);
   return absl::OkStatus();
 }
 
-void BlobReadReactor::Next() {
-  absl::StatusOr<std::string> data = store_.Read(digest_, offset_, kChunkBytes);
-  if (data.ok() && data->empty() && offset_ < size_)
-    data = absl::DataLossError("the blob is shorter than it was");
-  if (!data.ok()) return Finish(convert::ToGrpc(data.status()));
-  if (request_.offset() == 0) hash_.Update(*data);
-  chunk_.set_offset(offset_);
-  offset_ += data->size();
-  chunk_.set_data(*std::move(data));
-  StartWrite(&chunk_);
+absl::StatusOr<bool> BlobReadReactor::Next(v1::BlobChunk& chunk) {
+  SL_ASSIGN_OR_RETURN(std::string data, store_.Read(digest_, offset_, kChunkBytes));
+  if (data.empty() && offset_ < size_) return absl::DataLossError("the blob is shorter than it was");
+  if (request_.offset() == 0) hash_.Update(data);
+  if (offset_ == request_.offset()) {  // The first.
+    *chunk.mutable_digest() = request_.digest();
+    chunk.set_size_bytes(size_);
+  }
+  chunk.set_offset(offset_);
+  offset_ += data.size();
+  chunk.set_data(std::move(data));
+  return true;
 }
 
 absl::Status BlobReadReactor::Verify() {
@@ -159,14 +152,8 @@ absl::Status BlobReadReactor::Verify() {
       absl::StrCat("blob ", digest_.ToHex(), ": the disk holds other bytes; upload it again"));
 }
 
-void BlobReadReactor::OnWriteDone(bool ok) {
-  if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the reader went away"));
-  if (offset_ >= size_) return Finish(convert::ToGrpc(Verify()));
-  chunk_.clear_digest();
-  chunk_.clear_size_bytes();
-  if (!pool_.Run([this] { Next(); })) {
-    Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
-  }
+std::optional<absl::Status> BlobReadReactor::End() {
+  return offset_ >= size_ ? std::optional(Verify()) : std::nullopt;
 }
 
 }  // namespace shutterline::server

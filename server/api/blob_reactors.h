@@ -6,8 +6,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "common/asset/digest.h"
+#include "server/api/download_reactor.h"
 #include "server/api/stream_limits.h"
 #include "server/assets/asset_store.h"
 #include "server/control/work_pool.h"
@@ -53,26 +55,21 @@ class BlobWriteReactor final : public grpc::ServerReadReactor<v1::BlobChunk> {
 
 /// One Read call: a chunk is read on the pool and written, then the next. A stream from the beginning is
 /// hashed on its way and ends with DATA_LOSS where the disk held other bytes.
-class BlobReadReactor final : public grpc::ServerWriteReactor<v1::BlobChunk> {
+class BlobReadReactor final : public DownloadReactor<v1::BlobChunk> {
  public:
   BlobReadReactor(AssetStore& store, WorkPool& pool, StreamLimits& limits, const v1::ReadRequest& request);
 
-  void OnWriteDone(bool ok) override;
-  void OnDone() override { delete this; }
-
  private:
-  absl::Status Open();
-  void Next();
+  absl::Status Open() override;
+  absl::StatusOr<bool> Next(v1::BlobChunk& chunk) override;
+  std::optional<absl::Status> End() override;
   absl::Status Verify();
 
   AssetStore& store_;
-  WorkPool& pool_;
-  StreamBudget::Slot slot_;
   const v1::ReadRequest request_;
   Digest digest_;
   Sha256Stream hash_;
   uint64_t offset_ = 0, size_ = 0;
-  v1::BlobChunk chunk_;
 };
 
 }  // namespace shutterline::server

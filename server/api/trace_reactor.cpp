@@ -14,17 +14,8 @@ constexpr size_t kMaxTraceTiles = 1024;  ///< Of a message.
 
 TraceReactor::TraceReactor(Farm& farm, const Timeline& timeline, WorkPool& pool, StreamLimits& limits,
                            const v1::TraceRequest& request)
-    : farm_(farm), timeline_(timeline), pool_(pool), request_(request) {
-  if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
-    Finish(convert::ToGrpc(taken));
-    return;
-  }
-  const bool accepted = pool_.Run([this] {
-    const absl::Status status = Open();
-    if (!status.ok()) return Finish(convert::ToGrpc(status));
-    Next();
-  });
-  if (!accepted) Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
+    : DownloadReactor(pool), farm_(farm), timeline_(timeline), request_(request) {
+  Start(limits);
 }
 
 absl::Status TraceReactor::Open() {
@@ -39,17 +30,16 @@ absl::Status TraceReactor::Open() {
   return absl::OkStatus();
 }
 
-void TraceReactor::Next() {
-  message_.Clear();
+absl::StatusOr<bool> TraceReactor::Next(v1::FrameTrace& message) {
   while (!current_) {
-    if (frames_.empty()) return Finish(grpc::Status::OK);
+    if (frames_.empty()) return false;
     current_ = timeline_.Find(request_.job_id(), frames_.front());
     if (!current_) frames_.pop_front();
   }
-  message_.set_frame(frames_.front());
+  message.set_frame(frames_.front());
   if (told_ == 0) {
     for (const FrameTimeline::Worker& worker : current_->workers) {
-      v1::FrameTrace::Worker& added = *message_.add_workers();
+      v1::FrameTrace::Worker& added = *message.add_workers();
       added.set_uuid(worker.uuid);
       added.set_name(worker.name);
     }
@@ -57,7 +47,7 @@ void TraceReactor::Next() {
   const size_t end = std::min(current_->tiles.size(), told_ + kMaxTraceTiles);
   for (; told_ < end; ++told_) {
     const FrameTimeline::Tile& tile = current_->tiles[told_];
-    v1::FrameTrace::Tile& added = *message_.add_tiles();
+    v1::FrameTrace::Tile& added = *message.add_tiles();
     added.set_tile(tile.tile);
     added.set_worker(tile.worker);
     added.set_lease_id(tile.lease);
@@ -68,21 +58,14 @@ void TraceReactor::Next() {
   }
   if (told_ == current_->tiles.size()) {
     if (current_->assembly) {
-      *message_.mutable_assembly_began() = convert::ToProto(current_->assembly->first);
-      *message_.mutable_assembly_ended() = convert::ToProto(current_->assembly->second);
+      *message.mutable_assembly_began() = convert::ToProto(current_->assembly->first);
+      *message.mutable_assembly_ended() = convert::ToProto(current_->assembly->second);
     }
     current_.reset();
     frames_.pop_front();
     told_ = 0;
   }
-  StartWrite(&message_);
-}
-
-void TraceReactor::OnWriteDone(bool ok) {
-  if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the reader went away"));
-  if (!pool_.Run([this] { Next(); })) {
-    Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping"));
-  }
+  return true;
 }
 
 }  // namespace shutterline::server
