@@ -2,7 +2,8 @@
 # Shared by deploy/install, deploy/demo and deploy/test, which source it. Sets `root`, the source tree.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-say() { printf '\n== %s\n' "$*"; }
+# With the seconds since the start: what takes long is seen in any log.
+say() { printf '\n== %s (at %d s)\n' "$*" "$SECONDS"; }
 die() {
   printf 'error: %s\n' "$*" >&2
   exit 1

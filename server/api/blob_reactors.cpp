@@ -34,9 +34,8 @@ void BlobWriteReactor::Expire() {
     if (!reading_ || finished_) return;
     finished_ = true;
   }
-  writer_.reset();
-  Finish(convert::ToGrpc(absl::DeadlineExceededError(
-      absl::StrCat("no chunk came for ", absl::FormatDuration(limits_.config.upload_stall)))));
+  Close(absl::DeadlineExceededError(
+      absl::StrCat("no chunk came for ", absl::FormatDuration(limits_.config.upload_stall))));
 }
 
 void BlobWriteReactor::OnDone() {
@@ -110,7 +109,14 @@ void BlobWriteReactor::End(const absl::Status& status) {
     absl::MutexLock lock(&mutex_);
     finished_ = true;
   }
-  writer_.reset();  // Before the client hears of it, so that it may write again at once.
+  Close(status);
+}
+
+void BlobWriteReactor::Close(const absl::Status& status) {
+  // All given back before the client hears of the end, so that it may write again at once.
+  writer_.reset();
+  share_.Release();
+  slot_.Release();
   Finish(convert::ToGrpc(status));
 }
 

@@ -34,6 +34,7 @@ class BlobWriteReactor final : public grpc::ServerReadReactor<v1::BlobChunk> {
   absl::Status Store();
   absl::Status Complete();
   void End(const absl::Status& status);
+  void Close(const absl::Status& status);
 
   AssetStore& store_;
   WorkPool& pool_;

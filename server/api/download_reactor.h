@@ -16,8 +16,8 @@ template <typename Message>
 class DownloadReactor : public grpc::ServerWriteReactor<Message> {
  public:
   void OnWriteDone(bool ok) final {
-    if (!ok) return this->Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the reader went away"));
-    if (const std::optional<absl::Status> end = End()) return this->Finish(convert::ToGrpc(*end));
+    if (!ok) return Close(absl::CancelledError("the reader went away"));
+    if (const std::optional<absl::Status> end = End()) return Close(*end);
     if (!pool_.Run([this] { Write(); })) Stop();
   }
 
@@ -29,12 +29,12 @@ class DownloadReactor : public grpc::ServerWriteReactor<Message> {
   /// Last in the constructor of the class that is derived: from then on the functions below may be called.
   void Start(StreamLimits& limits) {
     if (const absl::Status taken = slot_.Take(limits.downloads); !taken.ok()) {
-      this->Finish(convert::ToGrpc(taken));
+      Close(taken);
       return;
     }
     const bool accepted = pool_.Run([this] {
       const absl::Status status = Open();
-      if (!status.ok()) return this->Finish(convert::ToGrpc(status));
+      if (!status.ok()) return Close(status);
       Write();
     });
     if (!accepted) Stop();
@@ -51,12 +51,17 @@ class DownloadReactor : public grpc::ServerWriteReactor<Message> {
   void Write() {
     message_.Clear();
     const absl::StatusOr<bool> more = Next(message_);
-    if (!more.ok()) return this->Finish(convert::ToGrpc(more.status()));
-    if (!*more) return this->Finish(grpc::Status::OK);
+    if (!more.ok()) return Close(more.status());
+    if (!*more) return Close(absl::OkStatus());
     this->StartWrite(&message_);
   }
 
-  void Stop() { this->Finish(grpc::Status(grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping")); }
+  void Stop() { Close(absl::UnavailableError("the coordinator is stopping")); }
+
+  void Close(const absl::Status& status) {
+    slot_.Release();
+    this->Finish(convert::ToGrpc(status));  // Last: OnDone may free this object at once.
+  }
 
   WorkPool& pool_;
   StreamBudget::Slot slot_;

@@ -116,6 +116,7 @@ class FollowingReactor : public grpc::ServerWriteReactor<Message>, private JobWa
       absl::MutexLock lock(&mutex_);
       state_ = State::kFinished;
     }
+    slot_.Release();
     this->Finish(convert::ToGrpc(status));  // Last: OnDone may free this object at once.
   }
 

@@ -146,6 +146,7 @@ bool ResultsReactor::TakeFinish(grpc::Status& status) {
   if (finished_ || writing_ || handling_ || pending_ > 0 || !closing_) return false;
   finished_ = true;
   status = convert::ToGrpc(*closing_);
+  slot_.Release();
   return true;
 }
 

@@ -126,6 +126,7 @@ void SessionReactor::FinishIfDone() {
     finished_ = true;
     status = convert::ToGrpc(*closing_);
   }
+  slot_.Release();
   Finish(status);  // Last: OnDone may free this object at once.
 }
 

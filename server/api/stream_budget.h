@@ -14,13 +14,12 @@ class StreamBudget {
   /// `kind` names the streams in refusals and lives for ever: "Watch".
   StreamBudget(const char* kind, int limit) : kind_(kind), limit_(limit) {}
 
-  /// The right to one stream, from a Take that was OK until this goes.
+  /// The right to one stream, from a Take that was OK until Release. To be released before the stream is
+  /// finished: a client that has heard of the end may open the next one at once.
   class Slot {
    public:
     Slot() = default;
-    ~Slot() {
-      if (budget_ != nullptr) budget_->open_.fetch_sub(1);
-    }
+    ~Slot() { Release(); }
     Slot(const Slot&) = delete;
     Slot& operator=(const Slot&) = delete;
 
@@ -33,6 +32,9 @@ class StreamBudget {
       }
       budget_ = &budget;
       return absl::OkStatus();
+    }
+    void Release() {
+      if (budget_ != nullptr) std::exchange(budget_, nullptr)->open_.fetch_sub(1);
     }
 
    private:

@@ -5,6 +5,7 @@
 #include <absl/synchronization/mutex.h>
 
 #include <cstdint>
+#include <utility>
 
 namespace shutterline::server {
 
@@ -13,19 +14,20 @@ class UploadQuota {
  public:
   explicit UploadQuota(uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// Part of the quota, from a Take that was OK until this goes.
+  /// Part of the quota, from a Take that was OK until Release.
   class Share {
    public:
     Share() = default;
-    ~Share() {
-      if (quota_ != nullptr) quota_->Return(bytes_);
-    }
+    ~Share() { Release(); }
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
 
     /// RESOURCE_EXHAUSTED where so many bytes are not left: the upload may be tried again later. To be
     /// called once.
     absl::Status Take(UploadQuota& quota, uint64_t bytes);
+    void Release() {
+      if (quota_ != nullptr) std::exchange(quota_, nullptr)->Return(bytes_);
+    }
 
    private:
     UploadQuota* quota_ = nullptr;

@@ -1,5 +1,6 @@
 // Streams that say nothing, too many of them, and messages that are larger than they look.
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -188,6 +189,15 @@ TEST_F(StreamLimitsTest, UploadsShareAQuotaOfBytes) {
   first->WritesDone();
   EXPECT_TRUE(first->Finish().ok());
   EXPECT_TRUE(Write(Sha256(b), b, 0, 201, committed).ok());
+}
+
+TEST_F(StreamLimitsTest, AnUploadThatHasEndedIsNoLongerInTheWayOfTheNext) {
+  for (int i = 0; i < 200; ++i) {
+    const std::string all = absl::StrFormat("%01000d", i);  // The whole quota.
+    v1::Committed committed;
+    const grpc::Status status = Write(Sha256(all), all, 0, all.size(), committed);
+    ASSERT_TRUE(status.ok()) << i << ": " << status.error_message();
+  }
 }
 
 TEST_F(StreamLimitsTest, MessagesThatUnfoldAreRefusedUnread) {
