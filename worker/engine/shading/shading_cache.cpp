@@ -1,14 +1,15 @@
 #include "worker/engine/shading/shading_cache.h"
 
 #include <absl/strings/str_cat.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <limits>
 #include <utility>
 
 #include "common/base/check.h"
+#include "worker/engine/shading/texel_group.h"
 
 namespace shutterline::engine {
 namespace {
@@ -33,17 +34,20 @@ float High(uint64_t packed) {
 }  // namespace
 
 void ShadingCache::Release::operator()(Entry* entries) const {
-  std::free(entries);
+  ::munmap(entries, bytes);
 }
 
 absl::StatusOr<std::shared_ptr<ShadingCache>> ShadingCache::Create(size_t bytes) {
   static_assert(std::atomic<uint64_t>::is_always_lock_free && sizeof(Entry) == 32);
+  static_assert(kGroup * kPerBucket * sizeof(Entry) == 4096);
   const size_t buckets = std::bit_floor(std::max(bytes / (kPerBucket * sizeof(Entry)), size_t{1}));
   // Zeros are entries of nobody; the system hands out zeroed pages as they are touched.
-  Entries entries(static_cast<Entry*>(std::calloc(buckets * kPerBucket, sizeof(Entry))));
-  if (entries == nullptr) {
+  const size_t size = buckets * kPerBucket * sizeof(Entry);
+  void* const memory = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) {
     return absl::ResourceExhaustedError(absl::StrCat("shading cache: no memory for ", bytes, " bytes"));
   }
+  Entries entries(static_cast<Entry*>(memory), Release{size});
   return std::shared_ptr<ShadingCache>(new ShadingCache(buckets, std::move(entries)));
 }
 
@@ -61,8 +65,11 @@ void ShadingCache::CloseFrame(uint32_t frame) {
 }
 
 ShadingCache::Entry* ShadingCache::BucketOf(uint32_t frame, const TexelKey& key) const {
-  const uint64_t hash = Mix(key.low ^ Mix(uint64_t{key.high} << 32 | frame));
-  return &entries_[kPerBucket * size_t(hash & (buckets_ - 1))];
+  const TexelGroup group = TexelGroup::Of(key, kGroupBits);
+  const uint64_t hash = Mix(group.place ^ Mix(uint64_t{group.triangle} << 32 | frame));
+  // Groups begin at buckets of their own choice: most have less than they have room for.
+  const uint64_t member = (group.member + (hash >> (64 - kGroupBits))) % kGroup;
+  return &entries_[kPerBucket * size_t((hash << kGroupBits | member) & (buckets_ - 1))];
 }
 
 void ShadingCache::Prefetch(uint32_t frame, const TexelKey& key) const {

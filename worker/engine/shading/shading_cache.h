@@ -59,11 +59,16 @@ class ShadingCache {
     std::atomic<uint64_t> blue_openness;
   };
   static constexpr size_t kPerBucket = 4;  ///< Two cache lines.
+  static constexpr int kGroupBits = 5;
+  static constexpr size_t kGroup = size_t{1} << kGroupBits;  ///< Buckets of a page of memory.
 
   /// Of a readable entry.
   static uint64_t StateOf(uint32_t frame, const TexelKey& key) {
     return uint64_t{key.high} << 33 | uint64_t{frame} << 1;
   }
+  /// Neighbouring texels, and the only texels of neighbouring triangles, come to lie in different buckets of
+  /// one page of memory: a page that is new costs a fault or two of the system, as much as shading many
+  /// texels.
   Entry* BucketOf(uint32_t frame, const TexelKey& key) const;
   bool IsFree(uint64_t state) const {
     constexpr uint64_t kFrame = (uint64_t{1} << 33) - 1;
@@ -71,6 +76,7 @@ class ShadingCache {
   }
 
   struct Release {
+    size_t bytes = 0;
     void operator()(Entry* entries) const;
   };
   using Entries = std::unique_ptr<Entry[], Release>;

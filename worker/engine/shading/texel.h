@@ -41,10 +41,8 @@ struct Texel {
     return {.low = first | (place & ((uint64_t{1} << kLowBits) - 1)), .high = uint32_t(place >> kLowBits)};
   }
 
-  static constexpr int kMaxLevel = 31;     ///< Of each direction.
-  static constexpr int kMaxLevelSum = 53;  ///< Of both: what a key has room for.
-
- private:
+  static constexpr int kMaxLevel = 31;              ///< Of each direction.
+  static constexpr int kMaxLevelSum = 53;           ///< Of both: what a key has room for.
   static constexpr int kLowBits = 64 - 32 - 2 * 5;  ///< Of TexelKey::low, for the place.
 };
 
