@@ -8,6 +8,7 @@
 
 #include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
+#include "common/base/lock_order.h"
 #include "common/base/log.h"
 #include "common/base/log_format.h"
 #include "server/coordinator.h"
@@ -129,6 +130,7 @@ int Serve(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  shutterline::TrustLockOrder();
   Options options;
   options.config.listen = "127.0.0.1:7400";
   CLI::App app{"The coordinator of a Shutterline farm.", "shutterline-server"};

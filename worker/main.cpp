@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/base/ids.h"
+#include "common/base/lock_order.h"
 #include "common/base/log.h"
 #include "common/base/log_format.h"
 #include "worker/config.h"
@@ -36,6 +37,7 @@ void WaitForSignals(const sigset_t& signals, worker::Worker& worker) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  TrustLockOrder();
   int exit_code = 0;
   auto config = worker::ParseCommandLine(argc, argv, exit_code);
   if (!config) return exit_code;

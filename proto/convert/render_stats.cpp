@@ -5,18 +5,33 @@
 #include <google/protobuf/message.h>
 
 #include <string>
+#include <vector>
 
 #include "common/base/check.h"
 
 namespace shutterline::convert {
 namespace {
 
-/// The message's field of this name. That there is one for each row is a matter of the build, which a test
-/// holds.
-const google::protobuf::FieldDescriptor& FieldNamed(absl::string_view name) {
-  const auto* field = v1::RenderStats::descriptor()->FindFieldByName(std::string(name));
-  SL_CHECK(field != nullptr);
-  return *field;
+using Field = google::protobuf::FieldDescriptor;
+
+/// The message's fields of the rows' names, found once: each tile is converted. That there is one for each
+/// row is a matter of the build, which a test holds.
+template <typename Rows>
+std::vector<const Field*> FieldsOf(const Rows& rows) {
+  std::vector<const Field*> fields;
+  for (const auto& row : rows) {
+    fields.push_back(v1::RenderStats::descriptor()->FindFieldByName(std::string(row.name)));
+    SL_CHECK(fields.back() != nullptr);
+  }
+  return fields;
+}
+const std::vector<const Field*>& CountFields() {
+  static const auto* const fields = new std::vector<const Field*>(FieldsOf(kRenderCounts));
+  return *fields;
+}
+const std::vector<const Field*>& SecondFields() {
+  static const auto* const fields = new std::vector<const Field*>(FieldsOf(kRenderSeconds));
+  return *fields;
 }
 
 }  // namespace
@@ -24,8 +39,10 @@ const google::protobuf::FieldDescriptor& FieldNamed(absl::string_view name) {
 v1::RenderStats ToProto(const RenderStats& stats) {
   v1::RenderStats message;
   const google::protobuf::Reflection& fields = *message.GetReflection();
-  for (const auto& row : kRenderCounts) fields.SetInt64(&message, &FieldNamed(row.name), stats.*row.member);
-  for (const auto& row : kRenderSeconds) fields.SetDouble(&message, &FieldNamed(row.name), stats.*row.member);
+  const Field* const* count = CountFields().data();
+  for (const auto& row : kRenderCounts) fields.SetInt64(&message, *count++, stats.*row.member);
+  const Field* const* second = SecondFields().data();
+  for (const auto& row : kRenderSeconds) fields.SetDouble(&message, *second++, stats.*row.member);
   return message;
 }
 
@@ -35,13 +52,15 @@ absl::StatusOr<RenderStats> FromProto(const v1::RenderStats& message, absl::stri
   const auto refuse = [&](absl::string_view name, auto value, absl::string_view rule) {
     return absl::InvalidArgumentError(absl::StrCat(field, ".", name, ": is ", value, ", but must be ", rule));
   };
+  const Field* const* count = CountFields().data();
   for (const auto& row : kRenderCounts) {
-    const int64_t value = fields.GetInt64(message, &FieldNamed(row.name));
+    const int64_t value = fields.GetInt64(message, *count++);
     if (value < 0) return refuse(row.name, value, "at least 0");
     stats.*row.member = value;
   }
+  const Field* const* second = SecondFields().data();
   for (const auto& row : kRenderSeconds) {
-    const double value = fields.GetDouble(message, &FieldNamed(row.name));
+    const double value = fields.GetDouble(message, *second++);
     // Written so that NaN is refused as well.
     if (!(value >= 0 && value <= kMaxStatsSeconds)) {
       return refuse(row.name, value, absl::StrCat("from 0 to ", kMaxStatsSeconds, " seconds"));

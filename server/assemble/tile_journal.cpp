@@ -92,7 +92,7 @@ absl::Status TileJournal::StartSegment() {
   const uint64_t before = std::exchange(current_, segment);
   if (before != 0 && pinned_[before] == 0) {
     pinned_.erase(before);
-    const absl::Status status = RemoveFile(SegmentPath(before));
+    const absl::Status status = RemoveSegment(before);
     if (!status.ok()) spdlog::warn("journal segment stays reason={}", LogValue(status.message()));
   }
   return absl::OkStatus();
@@ -164,6 +164,7 @@ std::optional<Digest> TileJournal::Find(const TileAddress& address) const {
 
 absl::StatusOr<std::string> TileJournal::Read(const TileAddress& address) const {
   Place place;
+  std::shared_ptr<const File> file;
   {
     absl::MutexLock lock(&mutex_);
     const auto frame = frames_.find({address.job, address.frame});
@@ -171,11 +172,25 @@ absl::StatusOr<std::string> TileJournal::Read(const TileAddress& address) const 
       return absl::NotFoundError(absl::StrCat("journal: tile ", address.tile, " is not here"));
     }
     place = frame->second.at(address.tile);
+    SL_ASSIGN_OR_RETURN(file, SegmentToRead(place.segment));
   }
-  SL_ASSIGN_OR_RETURN(const File file, File::OpenToRead(SegmentPath(place.segment)));
-  SL_ASSIGN_OR_RETURN(std::string pixels, file.ReadAt(place.offset, place.size));
+  SL_ASSIGN_OR_RETURN(std::string pixels, file->ReadAt(place.offset, place.size));
   if (pixels.size() == place.size && Sha256(pixels) == place.digest) return pixels;
-  return absl::DataLossError(absl::StrCat("journal: tile ", address.tile, " is damaged in ", file.path()));
+  return absl::DataLossError(absl::StrCat("journal: tile ", address.tile, " is damaged in ", file->path()));
+}
+
+absl::StatusOr<std::shared_ptr<const File>> TileJournal::SegmentToRead(uint64_t segment) const {
+  if (read_ == nullptr || read_segment_ != segment) {
+    SL_ASSIGN_OR_RETURN(File file, File::OpenToRead(SegmentPath(segment)));
+    read_ = std::make_shared<const File>(std::move(file));
+    read_segment_ = segment;
+  }
+  return read_;
+}
+
+absl::Status TileJournal::RemoveSegment(uint64_t segment) {
+  if (segment == read_segment_) read_.reset();  // Its space is free once nobody has it open.
+  return RemoveFile(SegmentPath(segment));
 }
 
 void TileJournal::Unpin(const Place& place) {
@@ -183,7 +198,7 @@ void TileJournal::Unpin(const Place& place) {
   SL_CHECK(pinned != pinned_.end() && pinned->second > 0);
   if (--pinned->second > 0 || place.segment == current_) return;
   pinned_.erase(pinned);
-  const absl::Status status = RemoveFile(SegmentPath(place.segment));
+  const absl::Status status = RemoveSegment(place.segment);
   if (!status.ok()) spdlog::warn("journal segment stays reason={}", LogValue(status.message()));
 }
 

@@ -78,6 +78,9 @@ class TileJournal {
   void Insert(const TileAddress& address, const Place& place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Unpin(const Place& place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropTiles(const FrameTiles& tiles) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status RemoveSegment(uint64_t segment) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::StatusOr<std::shared_ptr<const File>> SegmentToRead(uint64_t segment) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string folder_;
   const Options options_;
@@ -95,6 +98,9 @@ class TileJournal {
   std::map<FrameKey, FrameTiles> frames_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, int64_t> pinned_ ABSL_GUARDED_BY(mutex_);  ///< Tiles that are needed, by segment.
   uint64_t current_ ABSL_GUARDED_BY(mutex_) = 0;                ///< Segment that is written; 0: none.
+  /// The segment that was read last, still open: a frame's tiles mostly lie in one.
+  mutable std::shared_ptr<const File> read_ ABSL_GUARDED_BY(mutex_);
+  mutable uint64_t read_segment_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace shutterline::server

@@ -227,12 +227,15 @@ void Farm::Tick() {
     for (const WorkerId worker : expired.workers)
       DropWorker(worker, absl::AbortedError("the session is over"));
     const absl::Duration now = parts_.clock->Monotonic();
-    std::vector<WorkerId> never_came;
-    for (const auto& [id, entry] : registry_.entries()) {
-      if (!sessions_.contains(id) && now - entry.registered > parts_.config.lease_ttl)
-        never_came.push_back(id);
+    if (now >= next_roll_call_) {
+      next_roll_call_ = now + absl::Seconds(1);
+      std::vector<WorkerId> never_came;
+      for (const auto& [id, entry] : registry_.entries()) {
+        if (!sessions_.contains(id) && now - entry.registered > parts_.config.lease_ttl)
+          never_came.push_back(id);
+      }
+      for (const WorkerId id : never_came) registry_.Remove(id);
     }
-    for (const WorkerId id : never_came) registry_.Remove(id);
     for (const auto& [id, job] : jobs_) {
       if (job->dirty) Notify(*job);
     }

@@ -234,6 +234,7 @@ class Farm {
   std::set<WorkerId> wanting_ ABSL_GUARDED_BY(mutex_);     ///< Attached workers with credit.
   std::set<std::string> awaited_ ABSL_GUARDED_BY(mutex_);  ///< Workers that may come back with leases.
   absl::Duration await_until_ ABSL_GUARDED_BY(mutex_);
+  absl::Duration next_roll_call_ ABSL_GUARDED_BY(mutex_);
   /// Workers that came (true) or went, not stored yet.
   std::map<std::string, bool> worker_notes_ ABSL_GUARDED_BY(mutex_);
   std::vector<Quarantined> buried_

@@ -196,6 +196,7 @@ const Lease& TileScheduler::Enter(Worker& worker, Job& job, Lease lease) {
   }
   worker.latest_job = lease.job;
   lease_owner_[lease.id] = lease.worker;
+  worker.first_deadline = std::min(worker.first_deadline, lease.deadline);
   return worker.leases[lease.id] = std::move(lease);
 }
 
@@ -311,9 +312,15 @@ TileScheduler::Expired TileScheduler::Expire() {
       expired.workers.push_back(id);
       continue;
     }
+    if (worker.first_deadline > now) continue;
+    worker.first_deadline = absl::InfiniteDuration();
     std::vector<LeaseId> over;
     for (const auto& [lease_id, lease] : worker.leases) {
-      if (lease.deadline <= now) over.push_back(lease_id);
+      if (lease.deadline <= now) {
+        over.push_back(lease_id);
+      } else {
+        worker.first_deadline = std::min(worker.first_deadline, lease.deadline);
+      }
     }
     for (const LeaseId lease : over) {
       expired.leases.push_back({lease, id});

@@ -132,9 +132,10 @@ class TileScheduler {
     absl::Duration last_heard;
     absl::Duration last_asked = -absl::InfiniteDuration();  ///< For a lease.
     std::optional<absl::Duration> lost_until;               ///< Set: its stream is broken.
-    std::map<LeaseId, Lease> leases;         ///< Oldest first: the first `slots` are being rendered.
-    std::map<JobKey, std::deque<int>> held;  ///< Frames it has set up, latest first.
-    JobKey latest_job = 0;                   ///< Of its latest lease.
+    std::map<LeaseId, Lease> leases;  ///< Oldest first: the first `slots` are being rendered.
+    absl::Duration first_deadline = absl::InfiniteDuration();  ///< No lease ends before it.
+    std::map<JobKey, std::deque<int>> held;                    ///< Frames it has set up, latest first.
+    JobKey latest_job = 0;                                     ///< Of its latest lease.
     JobKey timed_job = 0;
     double tile_seconds = 0;  ///< Exponential mean over timed_job's tiles; 0: none yet.
   };

@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 
+#include "common/base/lock_order.h"
 #include "tests/bench/service/service_bench.h"
 
 // service-bench [results] [workers] [overhead] [OPTIONS]: what the coordinator manages, and what it costs.
 int main(int argc, char** argv) {
+  shutterline::TrustLockOrder();
   using shutterline::bench::ServiceOptions;
   ServiceOptions options;
   CLI::App app("Measures the service: durable results, many workers, overhead over the bare engine.",
