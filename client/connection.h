@@ -20,7 +20,8 @@
 namespace shutterline::client {
 
 inline constexpr absl::Duration kUnaryDeadline = absl::Seconds(10);
-inline constexpr absl::Duration kSubmitDeadline = absl::Seconds(30);
+/// A coordinator imports the scene before it answers, for 2 minutes (--scene-seconds) at the most.
+inline constexpr absl::Duration kSubmitDeadline = absl::Minutes(3);
 
 /// A coordinator as the commands see it: stubs, deadlines, repetition and words for errors. Thread-safe.
 class Connection {

@@ -50,6 +50,8 @@ Json QuarantinedJson(const v1::Job& job) {
                           {"worker_name", trouble.worker_name()},
                           {"worker_ended", trouble.worker_ended()},
                           {"reason", trouble.reason()},
+                          {"signal", OrNull(trouble.signal())},
+                          {"log_tail", OrNull(trouble.log_tail())},
                           {"time", OrNull(client::TimeText(trouble.time()))}});
     }
     tiles.push_back({{"frame", tile.frame()}, {"tile", tile.tile()}, {"evidence", evidence}});

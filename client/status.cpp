@@ -1,4 +1,5 @@
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
 
 #include <iomanip>
 #include <map>
@@ -113,6 +114,9 @@ class StatusCommand : public Command {
         PrintRow(out, "",
                  absl::StrCat(TimeText(trouble.time()), "  ", trouble.worker_name(), " (",
                               trouble.worker_uuid(), "): ", trouble.reason()));
+        for (const absl::string_view line : absl::StrSplit(trouble.log_tail(), '\n', absl::SkipEmpty())) {
+          PrintRow(out, "", absl::StrCat("  ", line));
+        }
       }
     }
     const uint64_t more = job.tiles_quarantined() - uint64_t(job.quarantined_size());

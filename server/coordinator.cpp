@@ -15,6 +15,7 @@
 #include "common/base/build_id.h"
 #include "common/base/host_port.h"
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "proto/convert/protocol.h"
 #include "server/api/asset_service.h"
 #include "server/api/job_service.h"
@@ -60,8 +61,10 @@ absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& c
 
 /// A scene that cannot be rendered is the request's fault, whatever the importer calls it; troubles of our
 /// own disk are not.
-absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
-  const absl::Status status = CheckScene(spec, assets, cameras);
+absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras,
+                                 const Clock& clock, absl::Duration time) {
+  const absl::Status status = WithinWorkLimit(clock, time, absl::StrCat("load scene ", spec.scene.root_name),
+                                              [&] { return CheckScene(spec, assets, cameras); });
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kDataLoss:
@@ -165,7 +168,7 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.observer = observers_.get();
   parts.identity = identity_;
   parts.check_scene = [this](const JobSpec& spec, AssetStore& assets) {
-    return CheckSubmittedScene(spec, assets, cameras_);
+    return CheckSubmittedScene(spec, assets, cameras_, clock_, config_.scene_time);
   };
   parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
     return cameras_.At(spec, assets, frame);
@@ -283,7 +286,10 @@ void Coordinator::Impl::Shutdown(absl::Duration grace) {
     absl::MutexLock lock(&mutex_);
     if (std::exchange(stopping_, true)) return;
   }
-  if (ticker_.joinable()) ticker_.join();
+  if (ticker_.joinable()) {
+    ticker_.join();
+    farm_->Tick();  // What is due for the disk.
+  }
   if (server_ != nullptr) {
     farm_->Drain();
     // Streams to workers end by themselves when the workers have drained, or else at the deadline.

@@ -23,6 +23,7 @@ struct Options {
   std::string port_file, http_port_file, log_level = "info", log_format = "text";
   double grace_seconds = 10;
   double lease_ttl_seconds = absl::ToDoubleSeconds(config.lease_ttl);
+  double scene_seconds = 120;
   double heartbeat_seconds = absl::ToDoubleSeconds(config.heartbeat_interval);
 };
 
@@ -65,6 +66,11 @@ void Declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--heartbeat", options.heartbeat_seconds, "Seconds between two signs of life of a worker")
       ->check(CLI::Range(0.05, 60.0))
+      ->capture_default_str();
+  app.add_option(
+         "--scene-seconds", options.scene_seconds,
+         "Seconds that the import of a submitted scene may take before the job is refused (0: no limit)")
+      ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
   app.add_option("--log-format", options.log_format, "text, or json: one object a line")
       ->capture_default_str();
@@ -141,6 +147,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   options.config.lease_ttl = absl::Seconds(options.lease_ttl_seconds);
+  if (options.scene_seconds > 0) options.config.scene_time = absl::Seconds(options.scene_seconds);
   options.config.heartbeat_interval = absl::Seconds(options.heartbeat_seconds);
   if (options.config.listen.empty()) {
     std::fprintf(stderr, "shutterline-server: --listen is empty, but must be HOST:PORT\n");

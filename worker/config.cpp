@@ -17,7 +17,8 @@ constexpr char kFooter[] = R"(
 The worker dials the coordinator, takes tiles, renders them with all its threads and sends them back. It
 tries again for as long as the coordinator is away. SIGTERM or SIGINT lets it finish and deliver the tiles
 that it holds and leave; a second signal ends it at once (its tiles then go to other workers, and no pixel
-is lost).
+is lost). The process that renders is a child of the one that is started: where it crashes, it is started
+again, and the coordinator is told the signal and the last lines of its log.
 
 Exit status: 0 left as told, 1 failed (refused by the coordinator, or tiles undelivered), 2 wrong usage.
 
@@ -106,8 +107,20 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
          "What the whole worker may take of the memory, MiB: scenes that need more fail (0: no limit)")
       ->check(CLI::Validator(CheckMemory, "", "memory"))
       ->capture_default_str();
+  double scene_seconds = 120;
+  app.add_option(
+         "--scene-seconds", scene_seconds,
+         "Seconds that the import of a scene, and the making of a frame of it, may take each before its "
+         "tiles fail (0: no limit)")
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->capture_default_str();
   bool no_shading_cache = false;
   app.add_flag("--no-shading-cache", no_shading_cache, "Keep no shadings")->excludes(shading_cache);
+  bool no_supervise = false;
+  app.add_flag(
+      "--no-supervise", no_supervise,
+      "Render in this very process, which then ends with its first crash, instead of one of its own that is "
+      "started again and whose end is told");
   app.add_option("--name", config.worker.name, "How people know this worker (default HOST:PID)");
   app.add_option("--log-format", config.log_format, "text, or json: one object a line")
       ->capture_default_str();
@@ -123,6 +136,8 @@ std::optional<Config> ParseCommandLine(int argc, const char* const* argv, int& e
   config.worker.cache_dir = cache_dir;
   config.worker.cache_bytes = cache_mb << 20;
   config.memory_bytes = memory_mb << 20;
+  config.supervise = !no_supervise;
+  config.worker.scene_time = scene_seconds > 0 ? absl::Seconds(scene_seconds) : absl::InfiniteDuration();
   config.shading_cache_bytes = no_shading_cache ? 0 : shading_cache_mb << 20;
   return config;
 }

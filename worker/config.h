@@ -18,6 +18,7 @@ struct Config {
   std::string log_level = "info", log_format = "text";
   WorkerOptions worker;
   uint64_t memory_bytes = 0;  ///< What the process may take; 0: what the machine gives.
+  bool supervise = true;      ///< In a process of its own, started again where it dies.
   uint64_t shading_cache_bytes = kDefaultShadingCacheBytes;  ///< 0: none.
 };
 

@@ -30,19 +30,14 @@ namespace {
 /// More threads than any machine has are a slip of the keyboard.
 constexpr int kMaxThreads = 4096;
 
-std::string DefaultName() {
-  char host[256] = "";
-  if (gethostname(host, sizeof host - 1) != 0) host[0] = '\0';
-  return absl::StrCat(host[0] == '\0' ? "worker" : host, ":", getpid());
-}
-
 SessionOptions MakeSessionOptions(const WorkerOptions& options) {
   SessionOptions session;
   session.identity = {.uuid = options.uuid.empty() ? MakeUuid() : options.uuid,
-                      .boot_id = MakeUuid(),
+                      .boot_id = options.boot_id.empty() ? MakeUuid() : options.boot_id,
                       .build_id = options.build_id.empty() ? std::string(kBuildId) : options.build_id,
                       .isa = DetectIsa(),
-                      .name = options.name.empty() ? DefaultName() : options.name};
+                      .name = options.name.empty() ? DefaultWorkerName() : options.name,
+                      .exits = options.exits};
   session.slots = options.threads;
   session.backoff.initial = options.backoff_initial;
   session.backoff.max = options.backoff_max;
@@ -53,15 +48,28 @@ SessionOptions MakeSessionOptions(const WorkerOptions& options) {
 
 }  // namespace
 
+std::string DefaultWorkerName() {
+  char host[256] = "";
+  if (gethostname(host, sizeof host - 1) != 0) host[0] = '\0';
+  return absl::StrCat(host[0] == '\0' ? "worker" : host, ":", getpid());
+}
+
+int ThreadsOf(const WorkerOptions& options) {
+  return options.threads != 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 struct Worker::Impl {
   Impl(std::shared_ptr<grpc::Channel> channel, const WorkerOptions& options, FrameRendererFactory& factory,
        std::unique_ptr<AssetCache> asset_cache, const Clock& clock)
       : threads(options.threads),
         assets(std::move(asset_cache)),
         results(options.max_result_bytes),
-        frames(factory, {.max_scenes = options.max_scenes,
-                         .max_frames = options.max_frames,
-                         .build_threads = options.threads}),
+        frames(factory,
+               {.max_scenes = options.max_scenes,
+                .max_frames = options.max_frames,
+                .build_threads = options.threads,
+                .retry_late = options.scene_time},
+               clock),
         session_options(MakeSessionOptions(options)),
         blobs(channel, {.backoff = session_options.backoff}, clock),
         session(channel, session_options, board, results, clock),
@@ -70,7 +78,7 @@ struct Worker::Impl {
             [this](const SceneManifest& scene) -> absl::StatusOr<std::unique_ptr<engine::AssetSource>> {
               return BlobAssetSource::Make(scene, *assets, blobs);
             },
-            clock) {}
+            clock, options.table) {}
 
   // Destroyed from the bottom up: first nobody renders, then nobody talks.
   const int threads;
@@ -88,7 +96,7 @@ absl::StatusOr<std::unique_ptr<Worker>> Worker::Start(std::shared_ptr<grpc::Chan
                                                       const WorkerOptions& given,
                                                       FrameRendererFactory& factory, const Clock& clock) {
   WorkerOptions options = given;
-  if (options.threads == 0) options.threads = int(std::max(1u, std::thread::hardware_concurrency()));
+  options.threads = ThreadsOf(options);
   if (options.threads < 0 || options.threads > kMaxThreads) {
     return absl::InvalidArgumentError(
         absl::StrCat("worker: threads is ", options.threads, ", but must be 0 to ", kMaxThreads));

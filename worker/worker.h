@@ -7,9 +7,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "worker/frames/frame_renderer.h"
+#include "worker/supervise/rendering_table.h"
+#include "worker/supervise/worker_exit.h"
 
 namespace grpc {
 class Channel;
@@ -19,9 +22,11 @@ namespace shutterline::worker {
 
 struct WorkerOptions {
   // --- Who it is ---------------------------------------------------------------------------------
-  std::string name;      ///< For people. Empty: "HOST:PID".
-  std::string uuid;      ///< Empty: a new one.
-  std::string build_id;  ///< Empty: this build's. Coordinators refuse others than their own.
+  std::string name;               ///< For people. Empty: "HOST:PID".
+  std::string uuid;               ///< Empty: a new one.
+  std::string boot_id;            ///< Of this process. Empty: a new one.
+  std::string build_id;           ///< Empty: this build's. Coordinators refuse others than their own.
+  std::vector<WorkerExit> exits;  ///< How earlier processes of this worker ended, the latest last: at most 4.
 
   // --- What it may use ---------------------------------------------------------------------------
   int threads = 0;                            ///< That render; 0: one for each processor.
@@ -31,13 +36,23 @@ struct WorkerOptions {
   size_t max_frames = 4;                      ///< Made ready and kept.
   /// Results that the coordinator has not acknowledged; beyond it rendering pauses.
   size_t max_result_bytes = size_t{64} << 20;
+  /// What the factory lets the import of a scene, and the making of a frame, take. A scene that took too long
+  /// is not tried again before as much time has passed.
+  absl::Duration scene_time = absl::InfiniteDuration();
 
   // --- How it behaves ----------------------------------------------------------------------------
   absl::Duration backoff_initial = absl::Milliseconds(100);
   absl::Duration backoff_max = absl::Seconds(10);
   /// How long a draining worker tries to deliver its results to a coordinator that is away.
   absl::Duration drain_patience = absl::Seconds(30);
+  RenderingTable* table =
+      nullptr;  ///< Where threads say what they are at; may be null, or outlives the worker.
 };
+
+/// "HOST:PID": what a worker without a name is called.
+std::string DefaultWorkerName();
+/// As many threads as options ask for, 0 being one for each processor.
+int ThreadsOf(const WorkerOptions& options);
 
 struct WorkerCounts {
   int64_t tiles_rendered = 0;

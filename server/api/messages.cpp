@@ -113,6 +113,8 @@ void AddQuarantined(const std::vector<QuarantinedTile>& tiles, v1::Job& job) {
       evidence.set_worker_ended(trouble.worker_ended);
       evidence.set_reason(trouble.reason);
       *evidence.mutable_time() = convert::ToProto(trouble.when);
+      evidence.set_signal(trouble.signal);
+      evidence.set_log_tail(trouble.log_tail);
     }
   }
 }
@@ -225,6 +227,12 @@ WorkerHello FromMessage(const v1::Hello& hello) {
   result.protocol_low = hello.protocol().low();
   result.protocol_high = hello.protocol().high();
   result.slots = hello.slots();
+  for (const v1::WorkerExit& exit : hello.exits()) {
+    WorkerExit& ended =
+        result.exits.emplace_back(WorkerExit{exit.boot_id(), exit.signal(), exit.log_tail(), {}});
+    for (const v1::TileName& tile : exit.tiles())
+      ended.tiles.push_back({tile.job_id(), tile.frame(), tile.tile()});
+  }
   return result;
 }
 

@@ -53,6 +53,7 @@ absl::Status Validate(const Config& c) {
   if (c.batch_time <= absl::ZeroDuration()) return refuse("batch_time", "must be above 0");
   if (c.commit_interval < absl::ZeroDuration()) return refuse("commit_interval", "must not be negative");
   if (c.commit_tiles < 1) return refuse("commit_tiles", "must be at least 1");
+  if (c.scene_time <= absl::ZeroDuration()) return refuse("scene_time", "must be above 0");
   if (c.max_tile_failures < 1) return refuse("max_tile_failures", "must be at least 1");
   if (c.max_tile_deaths < 1) return refuse("max_tile_deaths", "must be at least 1");
   if (c.max_message_bytes < 1 << 20) return refuse("max_message_bytes", "must be at least 1 MiB");

@@ -39,6 +39,8 @@ struct Config {
   absl::Duration batch_time = absl::Milliseconds(250);       ///< Thread time that a lease aims at.
   absl::Duration commit_interval = absl::Milliseconds(5);    ///< Longest wait of a result for company.
   int commit_tiles = 64;                                     ///< Results that are written without waiting.
+  /// What the import of a submitted scene may take.
+  absl::Duration scene_time = absl::InfiniteDuration();
   int max_tile_failures = 3;  ///< Reported of one tile, after which it is quarantined.
   int max_tile_deaths = 3;    ///< The same of workers that ended while they rendered it.
 

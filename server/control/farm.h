@@ -210,6 +210,12 @@ class Farm {
   absl::Status AwaitWorkers() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAdoption() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteWorker(const std::string& uuid) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // farm_evidence.cpp
+  /// How a process of a worker ended, in the scheduler's terms.
+  WorkerEnd EndOf(const WorkerExit& exit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Adds what a supervisor has seen to what is known of a worker's death.
+  void Testify(const WorkerHello& hello, const WorkerExit& exit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void StoreEvidence(const JobPtr& job, int index, uint32_t tile) ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
   void Revoke(const std::vector<EndedLease>& ended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The worker's UUID for a log, "gone" where it is not registered any more.
   std::string WorkerName(WorkerId worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

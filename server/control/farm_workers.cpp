@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "common/base/check.h"
 #include "common/base/log.h"
@@ -31,9 +32,16 @@ absl::StatusOr<WorkerEntry> Farm::Register(const WorkerHello& hello) {
                LogValue(hello.name), hello.slots, LogValue(hello.isa), (*entry)->session_id);
   for (const WorkerId id : registry_.Predecessors(**entry)) {
     // Its process is gone, whatever it was at.
-    for (Quarantined& tile : scheduler_.BuryWorker(id)) buried_.push_back(std::move(tile));
+    const auto exit = std::find_if(hello.exits.begin(), hello.exits.end(), [&](const WorkerExit& e) {
+      return e.boot_id == registry_.Find(id)->hello.boot_id;
+    });
+    std::optional<WorkerEnd> end;
+    if (exit != hello.exits.end()) end = EndOf(*exit);
+    for (Quarantined& tile : scheduler_.BuryWorker(id, end ? &*end : nullptr))
+      buried_.push_back(std::move(tile));
     DropWorker(id, absl::AbortedError("the worker has started anew"));
   }
+  for (const WorkerExit& exit : hello.exits) Testify(hello, exit);
   Pump();
   return **entry;
 }

@@ -100,6 +100,17 @@ void LiveJob::TileQuarantined(int index, const QuarantinedTile& tile, uint64_t s
   Changed(seq_, seq, kJobItself);
 }
 
+std::vector<std::pair<int, uint32_t>> LiveJob::Testify(const std::string& worker_uuid,
+                                                       const ProcessEnd& end) {
+  std::vector<std::pair<int, uint32_t>> told;
+  for (auto& [at, tile] : quarantined_) {
+    bool news = false;
+    for (TileTrouble& trouble : tile.evidence) news |= end.AddTo(worker_uuid, trouble);
+    if (news) told.push_back(at);
+  }
+  return told;
+}
+
 void LiveJob::ReleaseQuarantined(absl::FunctionRef<uint64_t()> next_seq) {
   quarantined_.clear();
   snapshot_.tiles_quarantined = 0;

@@ -52,6 +52,9 @@ class LiveJob {
   void FrameFinished(int index, const FinishedFrame& frame, uint64_t seq, uint64_t frame_seq);
   void CountMismatch(uint64_t seq);
   void TileQuarantined(int index, const QuarantinedTile& tile, uint64_t seq, uint64_t frame_seq);
+  /// Notes the end of a worker's process in the evidence of quarantined tiles; returns those, by frame's
+  /// index and tile, that were told something new.
+  std::vector<std::pair<int, uint32_t>> Testify(const std::string& worker_uuid, const ProcessEnd& end);
   /// No tile is quarantined any more; frames that lacked tiles are not finished. `next_seq` numbers changes.
   void ReleaseQuarantined(absl::FunctionRef<uint64_t()> next_seq);
   void SetPaused(bool paused, uint64_t seq);

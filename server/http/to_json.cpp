@@ -9,6 +9,10 @@
 namespace shutterline::server {
 namespace {
 
+Json OrNull(const std::string& text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
+
 Json TimeOf(absl::Time time) {
   if (time == absl::InfinitePast() || time == absl::InfiniteFuture()) return nullptr;
   return absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", time, absl::UTCTimeZone());
@@ -80,6 +84,8 @@ Json ToJson(const QuarantinedTile& tile) {
                         {"worker_name", trouble.worker_name},
                         {"worker_ended", trouble.worker_ended},
                         {"reason", trouble.reason},
+                        {"signal", OrNull(trouble.signal)},
+                        {"log_tail", OrNull(trouble.log_tail)},
                         {"time", TimeOf(trouble.when)}});
   }
   return {{"frame", tile.frame}, {"tile", tile.tile}, {"evidence", evidence}};

@@ -64,6 +64,10 @@ inline constexpr const char* kMigrations[] = {
 
       CREATE TABLE connected_workers (uuid TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;  -- When last heard of.
     )sql",
+    R"sql(
+      ALTER TABLE tile_troubles ADD COLUMN signal TEXT NOT NULL DEFAULT '';    -- As "SIGSEGV"; '': none is known.
+      ALTER TABLE tile_troubles ADD COLUMN log_tail TEXT NOT NULL DEFAULT '';  -- Of the process that it ended.
+    )sql",
 };
 
 }  // namespace shutterline::server

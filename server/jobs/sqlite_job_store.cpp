@@ -273,7 +273,7 @@ absl::Status SqliteJobStore::Quarantine(uint64_t key, const QuarantinedTile& til
     SqliteStatement insert(database_, "INSERT OR REPLACE INTO quarantined_tiles VALUES (?, ?, ?)");
     SL_RETURN_IF_ERROR(insert.Int(int64_t(key)).Int(tile.frame).Int(tile.tile).Run());
     for (const TileTrouble& trouble : tile.evidence) {
-      SqliteStatement add(database_, "INSERT INTO tile_troubles VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+      SqliteStatement add(database_, "INSERT INTO tile_troubles VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
       SL_RETURN_IF_ERROR(add.Int(int64_t(key))
                              .Int(tile.frame)
                              .Int(tile.tile)
@@ -282,6 +282,8 @@ absl::Status SqliteJobStore::Quarantine(uint64_t key, const QuarantinedTile& til
                              .Int(trouble.worker_ended ? 1 : 0)
                              .Text(trouble.reason)
                              .Int(absl::ToUnixMicros(trouble.when))
+                             .Text(trouble.signal)
+                             .Text(trouble.log_tail)
                              .Run());
     }
     return absl::OkStatus();
@@ -292,7 +294,7 @@ absl::StatusOr<std::vector<QuarantinedTile>> SqliteJobStore::QuarantinedTiles(ui
   absl::MutexLock lock(&mutex_);
   SqliteStatement rows(database_,
                        "SELECT q.frame, q.tile, t.worker_uuid, t.worker_name, t.worker_ended, t.reason, "
-                       "t.time_us FROM quarantined_tiles q LEFT JOIN tile_troubles t "
+                       "t.time_us, t.signal, t.log_tail FROM quarantined_tiles q LEFT JOIN tile_troubles t "
                        "USING (job_key, frame, tile) WHERE job_key = ? ORDER BY q.frame, q.tile, t.rowid");
   rows.Int(int64_t(key));
   std::vector<QuarantinedTile> tiles;
@@ -303,8 +305,14 @@ absl::StatusOr<std::vector<QuarantinedTile>> SqliteJobStore::QuarantinedTiles(ui
       tiles.push_back({frame, tile, {}});
     }
     if (rows.ColumnIsNull(2)) continue;
-    tiles.back().evidence.push_back({rows.ColumnBytes(2), rows.ColumnBytes(3), rows.ColumnInt(4) != 0,
-                                     rows.ColumnBytes(5), absl::FromUnixMicros(rows.ColumnInt(6))});
+    tiles.back().evidence.push_back({rows.ColumnBytes(2),
+                                     rows.ColumnBytes(3),
+                                     rows.ColumnInt(4) != 0,
+                                     rows.ColumnBytes(5),
+                                     absl::FromUnixMicros(rows.ColumnInt(6)),
+                                     rows.ColumnBytes(7),
+                                     rows.ColumnBytes(8),
+                                     {}});
   }
   SL_RETURN_IF_ERROR(rows.status());
   return tiles;

@@ -267,12 +267,11 @@ const TroubleLog* JobQueue::TroublesOf(int frame, uint32_t tile) const {
   return found == f->troubles.end() ? nullptr : &found->second;
 }
 
-const TroubleLog& JobQueue::AddTrouble(int frame, uint32_t tile, TileTrouble trouble,
-                                       const std::string& boot_id) {
+const TroubleLog& JobQueue::AddTrouble(int frame, uint32_t tile, TileTrouble trouble) {
   TroubleLog& log = Touch(frame).troubles[tile];
   ++(trouble.worker_ended ? log.deaths : log.failures);
   log.failed_by.insert(trouble.worker_uuid);
-  if (trouble.worker_ended) log.dead[trouble.worker_uuid] = boot_id;
+  if (trouble.worker_ended) log.dead[trouble.worker_uuid] = trouble.boot_id;
   if (log.evidence.size() == kMaxEvidence) log.evidence.erase(log.evidence.begin());
   log.evidence.push_back(std::move(trouble));
   return log;
@@ -281,17 +280,31 @@ const TroubleLog& JobQueue::AddTrouble(int frame, uint32_t tile, TileTrouble tro
 void JobQueue::Acquit(const std::string& worker_uuid, const std::string& boot_id) {
   for (const Slot& slot : frames_) {
     if (slot.frame == nullptr) continue;
-    for (auto& [tile, log] : slot.frame->troubles) {
-      const auto dead = log.dead.find(worker_uuid);
-      if (dead == log.dead.end() || dead->second != boot_id) continue;
-      log.dead.erase(dead);
-      log.failed_by.erase(worker_uuid);
-      --log.deaths;
-      // The latest of it: earlier ones may be of an earlier process.
-      const auto of_it = std::find_if(log.evidence.rbegin(), log.evidence.rend(), [&](const TileTrouble& t) {
-        return t.worker_ended && t.worker_uuid == worker_uuid;
-      });
-      if (of_it != log.evidence.rend()) log.evidence.erase(std::next(of_it).base());
+    for (auto& [tile, log] : slot.frame->troubles) Acquit(log, worker_uuid, boot_id);
+  }
+}
+
+void JobQueue::Acquit(TroubleLog& log, const std::string& worker_uuid, const std::string& boot_id) {
+  const auto dead = log.dead.find(worker_uuid);
+  if (dead == log.dead.end() || dead->second != boot_id) return;
+  log.dead.erase(dead);
+  log.failed_by.erase(worker_uuid);
+  --log.deaths;
+  // The latest of it: earlier ones may be of an earlier process.
+  const auto of_it = std::find_if(log.evidence.rbegin(), log.evidence.rend(), [&](const TileTrouble& t) {
+    return t.worker_ended && t.worker_uuid == worker_uuid;
+  });
+  if (of_it != log.evidence.rend()) log.evidence.erase(std::next(of_it).base());
+}
+
+void JobQueue::Testify(const std::string& worker_uuid, const ProcessEnd& end,
+                       absl::FunctionRef<bool(int frame, uint32_t tile)> was_at) {
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    Frame* f = Active(frame);
+    if (f == nullptr) continue;
+    for (auto& [tile, log] : f->troubles) {
+      for (TileTrouble& trouble : log.evidence) end.AddTo(worker_uuid, trouble);
+      if (!f->quarantined.contains(tile) && !was_at(frame, tile)) Acquit(log, worker_uuid, end.boot_id);
     }
   }
 }

@@ -92,8 +92,12 @@ class JobQueue {
 
   /// Null: nothing has gone wrong with the tile.
   const TroubleLog* TroublesOf(int frame, uint32_t tile) const;
-  /// Notes a trouble with a tile that is not done; `boot_id` is the ended process's, where one ended.
-  const TroubleLog& AddTrouble(int frame, uint32_t tile, TileTrouble trouble, const std::string& boot_id);
+  /// Notes a trouble with a tile that is not done.
+  const TroubleLog& AddTrouble(int frame, uint32_t tile, TileTrouble trouble);
+  /// What is known by now of a process that ended goes to the troubles that it is held for. Where it turns
+  /// out that it was not at a tile, `was_at` says false, that tile is acquitted, unless it is quarantined.
+  void Testify(const std::string& worker_uuid, const ProcessEnd& end,
+               absl::FunctionRef<bool(int frame, uint32_t tile)> was_at);
   /// The process lives: it did not end while it rendered anything.
   void Acquit(const std::string& worker_uuid, const std::string& boot_id);
 
@@ -113,6 +117,9 @@ class JobQueue {
     }
   };
   enum class Phase : uint8_t { kUntouched, kActive, kDone };
+  /// A process that ended did not do so because of the tile, as it seems now.
+  static void Acquit(TroubleLog& log, const std::string& worker_uuid, const std::string& boot_id);
+
   struct Slot {
     Phase phase = Phase::kUntouched;
     std::unique_ptr<Frame> frame;  ///< Where kActive.

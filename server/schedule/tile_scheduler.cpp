@@ -13,6 +13,9 @@ namespace {
 constexpr size_t kHeldFrames = 4;
 /// Weight of the newest tile in a mean: it forgets within some tens of tiles.
 constexpr double kNewest = 0.1;
+/// Leases of a job, a slot, that a worker may hold without having brought back a tile of any. Its threads may
+/// all wait for a frame of it, and what it asks for beyond is meant for other jobs.
+constexpr int64_t kUnprovenLeases = 16;
 
 double Blend(double mean, double newest) {
   return mean == 0 ? newest : mean + kNewest * (newest - mean);
@@ -117,11 +120,11 @@ std::vector<EndedLease> TileScheduler::RemoveWorker(WorkerId id) {
   return ended;
 }
 
-std::vector<Quarantined> TileScheduler::BuryWorker(WorkerId id) {
+std::vector<Quarantined> TileScheduler::BuryWorker(WorkerId id, const WorkerEnd* end) {
   std::vector<Quarantined> quarantined;
   const auto found = workers_.find(id);
   if (found == workers_.end()) return quarantined;
-  Blame(found->second, "its process ended while it rendered the tile", quarantined);
+  Blame(found->second, "its process ended while it rendered the tile", end, quarantined);
   RemoveWorker(id);
   return quarantined;
 }
@@ -209,7 +212,14 @@ std::optional<Lease> TileScheduler::Grant(WorkerId id) {
     if (job.blocks == 0 && job.queue->queued() > 0) wanting.push_back(key);
   }
   const double slack = absl::ToDoubleSeconds(options_.share_slack) * double(std::max<int64_t>(1, slots_));
+  const auto is_held_up = [&](JobKey key) {
+    return kUnprovenLeases * worker->slots <=
+           std::count_if(worker->leases.begin(), worker->leases.end(), [&](const auto& entry) {
+             return entry.second.job == key && entry.second.progressed == entry.second.granted;
+           });
+  };
   for (const JobKey key : shares_.Rank(wanting, worker->latest_job, slack)) {
+    if (is_held_up(key)) continue;
     if (std::optional<Lease> lease = GrantFrom(id, *worker, key, jobs_.at(key))) return lease;
   }
   return std::nullopt;
@@ -307,7 +317,7 @@ TileScheduler::Expired TileScheduler::Expire() {
   const absl::Duration now = clock_.Monotonic();
   for (auto& [id, worker] : workers_) {
     if (worker.lost_until && *worker.lost_until <= now) {
-      Blame(worker, "its stream broke while it rendered the tile, and it did not come back",
+      Blame(worker, "its stream broke while it rendered the tile, and it did not come back", nullptr,
             expired.quarantined);
       expired.workers.push_back(id);
       continue;

@@ -3,6 +3,7 @@
 #include <absl/container/flat_hash_map.h>
 #include <absl/time/time.h>
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <memory>
@@ -19,6 +20,22 @@
 #include "server/schedule/tile_times.h"
 
 namespace shutterline::server {
+
+/// How a worker's process ended, and what it was at.
+struct WorkerEnd {
+  ProcessEnd process;
+  struct Tile {
+    JobKey job = 0;
+    int frame = 0;  ///< Index into the job's frames.
+    uint32_t tile = 0;
+    friend bool operator==(const Tile&, const Tile&) = default;
+  };
+  std::vector<Tile> tiles;
+
+  bool WasAt(JobKey job, int frame, uint32_t tile) const {
+    return std::find(tiles.begin(), tiles.end(), Tile{job, frame, tile}) != tiles.end();
+  }
+};
 
 struct SchedulerOptions {
   absl::Duration lease_ttl = absl::Seconds(15);
@@ -68,9 +85,12 @@ class TileScheduler {
                  const std::string& name = "");
   /// The worker left in order: its leases end at once and no tile is suspected.
   std::vector<EndedLease> RemoveWorker(WorkerId worker);
-  /// The worker's process is known to be gone: what it rendered is suspected. Returns what is quarantined
-  /// now.
-  std::vector<Quarantined> BuryWorker(WorkerId worker);
+  /// The worker's process is known to be gone: what it rendered is suspected, which is what `end` says where
+  /// that is known. Returns what is quarantined now.
+  std::vector<Quarantined> BuryWorker(WorkerId worker, const WorkerEnd* end = nullptr);
+  /// What is known by now of a process that has been buried: it goes to the evidence of tiles that are not
+  /// done, and those that it was not at are acquitted.
+  void Testify(const std::string& worker_uuid, const WorkerEnd& end);
   /// The worker's stream broke: unless it is back within the grace, Expire buries it.
   void LoseWorker(WorkerId worker);
   void RegainWorker(WorkerId worker);
@@ -161,7 +181,10 @@ class TileScheduler {
   void Settle(JobKey job, int frame, uint32_t tile, LeaseId holder, double seconds);
 
   // tile_troubles.cpp
-  void Blame(const Worker& worker, const std::string& reason, std::vector<Quarantined>& quarantined);
+  void Blame(const Worker& worker, const std::string& reason, const WorkerEnd* end,
+             std::vector<Quarantined>& quarantined);
+  void BlameTile(const Worker& worker, const Lease& lease, uint32_t tile, const std::string& reason,
+                 const WorkerEnd* end, std::vector<Quarantined>& quarantined);
   std::optional<Quarantined> QuarantineIfHopeless(JobKey key, JobQueue& queue, int frame, uint32_t tile);
   /// Whether a worker has failed so much of a job that it gets no more of it, as long as others would.
   bool IsBarred(const Worker& worker, const Job& job) const;

@@ -1,5 +1,6 @@
 // The part of TileScheduler that deals with tiles that fail, or that workers die of.
 #include <algorithm>
+#include <utility>
 
 #include "common/base/check.h"
 #include "server/schedule/tile_scheduler.h"
@@ -53,7 +54,7 @@ std::optional<Quarantined> TileScheduler::Fail(JobKey key, int frame, uint32_t t
     const auto owner = lease_owner_.find(holder);
     if (owner == lease_owner_.end() || owner->second != id) continue;
     const Worker& worker = workers_.at(id);
-    queue.AddTrouble(frame, tile, {worker.uuid, worker.name, false, reason, clock_.Wall()}, "");
+    queue.AddTrouble(frame, tile, {worker.uuid, worker.name, false, reason, clock_.Wall(), {}, {}, {}});
     job->second.failed_by[worker.uuid].insert({frame, tile});
     queue.PutBack(frame, tile, holder);
     Settle(key, frame, tile, holder, 0);
@@ -62,7 +63,7 @@ std::optional<Quarantined> TileScheduler::Fail(JobKey key, int frame, uint32_t t
   return std::nullopt;
 }
 
-void TileScheduler::Blame(const Worker& worker, const std::string& reason,
+void TileScheduler::Blame(const Worker& worker, const std::string& reason, const WorkerEnd* end,
                           std::vector<Quarantined>& quarantined) {
   // The same process, under another registration, is not dead.
   const bool lives = std::any_of(workers_.begin(), workers_.end(), [&](const auto& entry) {
@@ -71,24 +72,40 @@ void TileScheduler::Blame(const Worker& worker, const std::string& reason,
            other.boot_id == worker.boot_id;
   });
   if (lives) return;
-  // A worker renders its oldest leases, one a slot, each in order: the first unfinished tile of each may have
-  // killed it, no other can have.
+  // Unless more is known: a worker renders its oldest leases, one a slot, each in order: the first unfinished
+  // tile of each may have killed it, no other can have.
   int slot = 0;
   for (const auto& [id, lease] : worker.leases) {
-    if (slot++ == worker.slots) break;
-    JobQueue* queue = Find(lease.job);
+    if (end == nullptr && slot++ == worker.slots) break;
+    const JobQueue* queue = Find(lease.job);
     if (queue == nullptr) continue;
-    const auto tile =
-        std::find_if(lease.tiles.begin(), lease.tiles.end(), [&, &lease = lease](uint32_t candidate) {
-          return queue->HoldersOf(lease.frame, candidate).Has(lease.id);
-        });
-    if (tile == lease.tiles.end()) continue;
-    queue->AddTrouble(lease.frame, *tile, {worker.uuid, worker.name, true, reason, clock_.Wall()},
-                      worker.boot_id);
-    queue->PutBack(lease.frame, *tile, lease.id);
-    if (auto hopeless = QuarantineIfHopeless(lease.job, *queue, lease.frame, *tile)) {
-      quarantined.push_back(*std::move(hopeless));
+    for (const uint32_t tile : lease.tiles) {
+      if (!queue->HoldersOf(lease.frame, tile).Has(lease.id)) continue;
+      if (end == nullptr || end->WasAt(lease.job, lease.frame, tile)) {
+        BlameTile(worker, lease, tile, reason, end, quarantined);
+      }
+      if (end == nullptr) break;
     }
+  }
+}
+
+void TileScheduler::BlameTile(const Worker& worker, const Lease& lease, uint32_t tile,
+                              const std::string& reason, const WorkerEnd* end,
+                              std::vector<Quarantined>& quarantined) {
+  JobQueue& queue = *Find(lease.job);
+  TileTrouble trouble{worker.uuid, worker.name, true, reason, clock_.Wall(), {}, {}, worker.boot_id};
+  if (end != nullptr) (void)end->process.AddTo(worker.uuid, trouble);
+  queue.AddTrouble(lease.frame, tile, std::move(trouble));
+  queue.PutBack(lease.frame, tile, lease.id);
+  if (auto hopeless = QuarantineIfHopeless(lease.job, queue, lease.frame, tile)) {
+    quarantined.push_back(*std::move(hopeless));
+  }
+}
+
+void TileScheduler::Testify(const std::string& worker_uuid, const WorkerEnd& end) {
+  for (auto& [key, job] : jobs_) {
+    job.queue->Testify(worker_uuid, end.process,
+                       [&, key = key](int frame, uint32_t tile) { return end.WasAt(key, frame, tile); });
   }
 }
 

@@ -30,6 +30,11 @@ absl::StatusOr<WorkerEntry*> WorkerRegistry::Register(const WorkerHello& hello, 
   SL_RETURN_IF_ERROR(CheckText("build_id", hello.build_id, true));
   SL_RETURN_IF_ERROR(CheckText("isa", hello.isa, true));
   SL_RETURN_IF_ERROR(CheckText("name", hello.name, true));
+  if (hello.exits.size() > kMaxWorkerExits) {
+    return absl::InvalidArgumentError(absl::StrCat("exits: has ", hello.exits.size(),
+                                                   " entries, but at most ", kMaxWorkerExits, " may be"));
+  }
+  for (const WorkerExit& exit : hello.exits) SL_RETURN_IF_ERROR(Validate(exit));
   if (hello.slots < 1 || hello.slots > kMaxSlots) {
     return absl::InvalidArgumentError(
         absl::StrCat("slots: is ", hello.slots, ", but must be 1 to ", kMaxSlots));
@@ -53,6 +58,7 @@ absl::StatusOr<WorkerEntry*> WorkerRegistry::Register(const WorkerHello& hello, 
   entry.id = next_++;
   entry.session_id = MakeUuid();
   entry.hello = hello;
+  entry.hello.exits.clear();  // They are heard once.
   entry.protocol = std::min(hello.protocol_high, identity_.protocol_high);
   entry.registered = entry.last_heard = now;
   by_session_[entry.session_id] = entry.id;

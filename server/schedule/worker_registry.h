@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/schedule/lease.h"
+#include "server/schedule/worker_exit.h"
 
 namespace shutterline::server {
 
@@ -18,6 +19,7 @@ struct WorkerHello {
   std::string uuid, boot_id, build_id, isa, name;
   uint32_t protocol_low = 0, protocol_high = 0;
   int64_t slots = 0;
+  std::vector<WorkerExit> exits;
 };
 
 /// What this coordinator is, for comparison.

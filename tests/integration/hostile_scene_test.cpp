@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "tests/integration/farm.h"
 #include "tests/support/gltf_builder.h"
@@ -70,8 +71,47 @@ GltfBuilder Instanced(int count) {
   return file;
 }
 
+/// A small file whose frames take many minutes to make ready: a thousand nodes draw a mesh whose targets jump
+/// at every key, and no motion follows that. Without a camera, to find one takes long as well.
+GltfBuilder Slow(bool camera) {
+  constexpr int kTriangles = 2'000, kTargets = 64, kNodes = 1'000, kKeys = 64;
+  GltfBuilder file;
+  std::mt19937 random(1);
+  const auto number = [&] { return float(random() % 1000) / 1000; };
+  std::vector<float> places(9 * kTriangles), times, weights;
+  for (float& place : places) place = number();
+  const int positions = file.Floats("VEC3", places);
+  json targets = json::array();
+  for (int i = 0; i < kTargets; ++i) targets.push_back({{"POSITION", positions}});
+  const int mesh = file.Mesh({{"attributes", {{"POSITION", positions}}}, {"targets", targets}});
+  for (int key = 0; key < kKeys; ++key) {
+    times.push_back(float(key) / (24 * kKeys));
+    for (int i = 0; i < kTargets; ++i) weights.push_back(number());
+  }
+  const int input = file.Floats("SCALAR", times), output = file.Floats("SCALAR", weights);
+  json channels = json::array();
+  for (int i = 0; i < kNodes; ++i) {
+    const int node = file.Draw(mesh);
+    channels.push_back({{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}});
+  }
+  file.Add("animations", {{"samplers", {{{"input", input}, {"output", output}, {"interpolation", "STEP"}}}},
+                          {"channels", channels}});
+  if (!camera) return file;
+  file.Add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
+  const int node = file.Add("nodes", {{"camera", 0}, {"translation", {0, 0, 3}}});
+  file.json["scenes"][0]["nodes"].push_back(node);
+  return file;
+}
+
 class HostileSceneTest : public testing::Test {
  protected:
+  /// The pixels of a frame that the farm has rendered are those of one process.
+  void ExpectFrame(const std::string& job, const std::string& scene) {
+    const std::string file = farm_.folder() / "farm.exr", alone = farm_.folder() / "alone.exr";
+    farm_.Fetch(job, file);
+    ASSERT_EQ(farm_.Client(Joined({"render", scene, "-o", alone}, kHostilePicture)).status, 0);
+    EXPECT_TRUE(PixelBits(file) == PixelBits(alone));
+  }
   std::string Write(const std::string& name, const std::string& bytes) {
     const std::string file = farm_.folder() / name;
     std::ofstream(file, std::ios::binary) << bytes;
@@ -159,6 +199,47 @@ TEST_F(HostileSceneTest, AWorkerWithABoundFailsTheTileThatNeedsMoreAndGoesOn) {
   farm_.Fetch(honest, file);
   EXPECT_EQ(PixelBits(file).size(), size_t{64 * 64 * 4});
   EXPECT_TRUE(farm_.worker("small").Running());
+}
+
+TEST_F(HostileSceneTest, ASceneThatTakesTooLongToCheckIsRefused) {
+  farm_.server_flags = {"--scene-seconds", "1.5"};
+  farm_.StartServer();
+  farm_.StartWorker("w", 1);
+  EXPECT_THAT(Refusal(Write("slow.glb", Slow(false).Glb())),
+              HasSubstr("load scene slow.glb: it took longer than the 1.5s that are allowed"));
+  const std::string scene = farm_.Scene("fan");
+  ExpectFrame(farm_.Submit(Joined({scene}, kHostilePicture)), scene);
+}
+
+TEST_F(HostileSceneTest, AFrameThatTakesTooLongToMakeReadyFailsItsJobAndTheNextIsRendered) {
+  farm_.StartServer();
+  farm_.worker_flags = {"--scene-seconds", "1.5", "--memory-mb", "2048"};
+  farm_.StartWorker("w", 1);
+  const std::string slow = farm_.Submit(Joined({Write("slow.glb", Slow(true).Glb())}, kHostilePicture));
+  const std::string scene = farm_.Scene("fan");
+  const std::string honest = farm_.Submit(Joined({scene}, kHostilePicture));
+  const Farm::Ended watch = farm_.Client({"watch", slow, "--server", farm_.Address()});
+  EXPECT_EQ(watch.status, 1) << watch.output;
+  EXPECT_THAT(watch.output + watch.errors, HasSubstr("it took longer than the 1.5s that are allowed"));
+  ExpectFrame(honest, scene);
+  EXPECT_TRUE(farm_.worker("w").Running());
+}
+
+TEST_F(HostileSceneTest, WhileAFrameIsBeingMadeReadyOtherThreadsRenderOtherJobs) {
+  farm_.server_flags = {"--heartbeat", "0.1"};
+  farm_.StartServer();
+  farm_.worker_flags = {"--scene-seconds", "0", "--memory-mb", "2048"};
+  farm_.StartWorker("w", 2);
+  // Of a higher priority, and with tiles for all of the credit: it is there first, and has every thread.
+  std::vector<std::string> first = {
+      Write("slow.glb", Slow(true).Glb()), "--priority", "5", "--size", "1024x1024", "--frame", "0"};
+  const std::string slow = farm_.Submit(first);
+  farm_.WatchUntil(slow, [](const v1::Job& job) { return job.workers() == 1; });
+  EXPECT_EQ(farm_.Client({"priority", slow, "0", "--server", farm_.Address()}).status, 0);
+  const std::string scene = farm_.Scene("fan");
+  ExpectFrame(farm_.Submit(Joined({scene}, kHostilePicture)), scene);
+  const Farm::Ended status = farm_.Client({"status", slow, "--json", "--server", farm_.Address()});
+  EXPECT_EQ(json::parse(status.output)["tiles_done"], 0) << "it is still at it";
 }
 
 }  // namespace

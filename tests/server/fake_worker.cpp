@@ -45,9 +45,13 @@ v1::Hello FakeWorker::MakeHello(const std::string& uuid) {
 
 FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid,
                        const std::vector<v1::HeldLease>& held)
+    : FakeWorker(channel, MakeHello(uuid), held) {}
+
+FakeWorker::FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const v1::Hello& hello,
+                       const std::vector<v1::HeldLease>& held)
     : stub_(v1::Workers::NewStub(channel)) {
   grpc::ClientContext context;
-  SL_CHECK(stub_->Register(&context, MakeHello(uuid), &welcome_).ok());
+  SL_CHECK(stub_->Register(&context, hello, &welcome_).ok());
   session_ = stub_->Session(&session_context_);
   v1::WorkerMessage message;
   message.mutable_open()->set_session_id(welcome_.session_id());

@@ -23,6 +23,9 @@ class FakeWorker {
   /// `held`: what it says it is at since an earlier session.
   explicit FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const std::string& uuid = "fake",
                       const std::vector<v1::HeldLease>& held = {});
+  /// A worker that says this of itself.
+  FakeWorker(const std::shared_ptr<grpc::Channel>& channel, const v1::Hello& hello,
+             const std::vector<v1::HeldLease>& held = {});
   ~FakeWorker();  ///< Dies.
 
   static v1::Hello MakeHello(const std::string& uuid);

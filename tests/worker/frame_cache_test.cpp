@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/fake_clock.h"
 #include "tests/worker/fake_renderer.h"
 
 namespace shutterline::worker {
@@ -62,6 +63,27 @@ TEST(FrameCache, StaysWithinItsBounds) {
   EXPECT_EQ(engine.frames, made);
   ASSERT_TRUE(cache.Get(Sha256("0"), 0, RenderSettings(), OpenSource).ok());
   EXPECT_EQ(engine.frames, made + 1);
+}
+
+TEST(FrameCache, WhatTookTooLongIsTriedAgainWhenAsMuchTimeHasPassed) {
+  FakeRenderer engine;
+  test::FakeClock clock;
+  FrameCache cache(engine, {.retry_late = absl::Seconds(10)}, clock);
+  engine.before_import = [] { return absl::DeadlineExceededError("it took longer than the 10s"); };
+  const auto get = [&](int frame) {
+    return cache.Get(Sha256("s"), frame, RenderSettings(), OpenSource).status().code();
+  };
+  for (int frame = 0; frame < 9; ++frame) EXPECT_EQ(get(frame % 3), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(engine.imports, 1);
+  clock.Advance(absl::Seconds(11));
+  EXPECT_EQ(get(0), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(engine.imports, 2);
+  engine.before_import = nullptr;
+  clock.Advance(absl::Seconds(11));
+  EXPECT_EQ(get(0), absl::StatusCode::kOk);
+  clock.Advance(absl::Hours(1));
+  EXPECT_EQ(get(0), absl::StatusCode::kOk);
+  EXPECT_EQ(engine.imports, 3) << "what could be imported is kept";
 }
 
 TEST(FrameCache, ThreadsThatWantTheSameFrameWaitForOne) {

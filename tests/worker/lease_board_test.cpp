@@ -16,6 +16,19 @@ std::shared_ptr<const WorkerJob> Job() {
   return std::make_shared<WorkerJob>();
 }
 
+/// Of a frame that is ready.
+TileTask Take(LeaseBoard& board) {
+  TileTask task = board.Take().value();
+  board.FrameReady(task, true);
+  return task;
+}
+
+std::shared_ptr<const WorkerJob> JobOf(const char* scene) {
+  auto job = std::make_shared<WorkerJob>();
+  job->scene_key = Sha256(scene);
+  return job;
+}
+
 TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
   LeaseBoard board;
   int progress = 0;
@@ -23,7 +36,7 @@ TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
   const uint32_t tiles[] = {5, 2};
   ASSERT_TRUE(board.Grant(Job(), 7, 3, tiles));
   EXPECT_FALSE(board.Grant(Job(), 7, 3, tiles)) << "held already";
-  const TileTask first = *board.Take(), second = *board.Take();
+  const TileTask first = Take(board), second = Take(board);
   EXPECT_EQ(first.tile, 5u);
   EXPECT_EQ(second.tile, 2u);
   EXPECT_EQ(second.frame, 3);
@@ -45,12 +58,12 @@ TEST(LeaseBoard, RevokedTilesAreNotHandedOut) {
   const uint32_t three[] = {0, 1, 2}, one[] = {9};
   board.Grant(Job(), 1, 0, three);
   board.Grant(Job(), 2, 0, one);
-  const TileTask under_way = *board.Take();
+  const TileTask under_way = Take(board);
   const uint64_t revoked[] = {1, 55};
   board.Revoke(revoked);
   EXPECT_EQ(board.UnrenderedLeases(), 1u);
   EXPECT_THAT(board.LiveLeases(), ElementsAre(2u));
-  EXPECT_EQ(board.Take()->tile, 9u);
+  EXPECT_EQ(Take(board).tile, 9u);
   board.Rendered(under_way);
   board.Acknowledged(under_way);
   EXPECT_EQ(board.UnrenderedLeases(), 1u) << "the other lease's tile is still under way";
@@ -60,7 +73,7 @@ TEST(LeaseBoard, TilesOfAnEarlierSessionDoNotCountForALeaseOfTheSameNumber) {
   LeaseBoard board;
   const uint32_t tiles[] = {0};
   board.Grant(Job(), 1, 0, tiles);
-  const TileTask old = *board.Take();
+  const TileTask old = Take(board);
   board.Suspend();
   EXPECT_THAT(board.LiveLeases(), IsEmpty());
   board.DropSuspended();
@@ -77,7 +90,7 @@ TEST(LeaseBoard, AdoptedLeaseGoesOnUnderItsNewNumberAndTheRestIsDropped) {
   const uint32_t four[] = {4, 5, 6, 7}, other[] = {9};
   board.Grant(Job(), 1, 3, four);
   board.Grant(Job(), 2, 3, other);
-  const TileTask rendered = *board.Take(), taken = *board.Take();
+  const TileTask rendered = Take(board), taken = Take(board);
   board.Rendered(rendered);
   board.Suspend();
   const std::vector<LeaseBoard::Held> held = board.Suspended();
@@ -92,7 +105,7 @@ TEST(LeaseBoard, AdoptedLeaseGoesOnUnderItsNewNumberAndTheRestIsDropped) {
   board.DropSuspended();
   EXPECT_THAT(board.LiveLeases(), ElementsAre(100u));
   EXPECT_EQ(board.UnrenderedLeases(), 1u);
-  EXPECT_EQ(board.Take()->tile, 7u);
+  EXPECT_EQ(Take(board).tile, 7u);
   board.Rendered(taken);
   TileTask last = taken;
   last.tile = 7;
@@ -135,7 +148,7 @@ TEST(LeaseBoard, AnyOrderOfEventsEndsWithNothingHeld) {
         case 1:
         case 2:
           if (waiting > 0) {
-            taken.push_back(*board.Take());
+            taken.push_back(Take(board));
             --waiting;
           }
           break;
@@ -150,7 +163,7 @@ TEST(LeaseBoard, AnyOrderOfEventsEndsWithNothingHeld) {
           break;
       }
     }
-    for (; waiting > 0; --waiting) taken.push_back(*board.Take());
+    for (; waiting > 0; --waiting) taken.push_back(Take(board));
     while (!taken.empty()) {
       rendered.push_back(pop(taken));
       board.Rendered(rendered.back());
@@ -160,6 +173,42 @@ TEST(LeaseBoard, AnyOrderOfEventsEndsWithNothingHeld) {
     EXPECT_THAT(board.LiveLeases(), IsEmpty());
     EXPECT_TRUE(board.Idle());
   }
+}
+
+TEST(LeaseBoard, AFrameThatIsBeingMadeReadyKeepsNobodyFromOthers) {
+  LeaseBoard board;
+  const auto slow = JobOf("slow"), quick = JobOf("quick");
+  const uint32_t tiles[] = {0, 1};
+  board.Grant(slow, 1, 0, tiles);
+  board.Grant(slow, 2, 1, tiles);
+  board.Grant(quick, 3, 0, tiles);
+  const TileTask at = *board.Take();
+  EXPECT_EQ(at.job, slow);
+  // The scene is not imported, so another frame of it would wait for the same.
+  EXPECT_EQ(Take(board).job, quick);
+  EXPECT_EQ(Take(board).job, quick);
+  EXPECT_FALSE(board.Starved()) << "no thread is free";
+  std::thread waiting([&] {
+    const TileTask next = board.Take().value();
+    EXPECT_EQ(next.job, slow);
+    EXPECT_EQ(next.frame, 0);
+    EXPECT_EQ(next.tile, 1u);
+  });
+  while (!board.Starved()) std::this_thread::yield();
+  board.FrameReady(at, true);
+  waiting.join();
+  // Frame 1 is made ready by one thread alone; frame 0 is ready, and more of it may come.
+  const TileTask second = *board.Take();
+  EXPECT_EQ(second.frame, 1);
+  board.Grant(slow, 4, 0, tiles);
+  EXPECT_EQ(Take(board).frame, 0);
+  EXPECT_EQ(Take(board).frame, 0);
+  board.FrameReady(second, false);
+  const TileTask third = *board.Take();
+  EXPECT_EQ(third.frame, 1);
+  board.Grant(slow, 5, 1, tiles);
+  board.Grant(quick, 6, 0, tiles);
+  EXPECT_EQ(Take(board).job, quick) << "a frame that could not be made ready is tried by one thread again";
 }
 
 }  // namespace

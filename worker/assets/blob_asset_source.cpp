@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 
 namespace shutterline::worker {
 namespace {
@@ -76,6 +77,7 @@ absl::StatusOr<std::string> BlobAssetSource::Read(absl::string_view relative_uri
   if (blob == blobs_.end()) {
     return absl::NotFoundError(absl::StrCat("file '", path, "' is not in the scene's manifest"));
   }
+  const WorkPause pause;  // For the coordinator to send it, perhaps.
   absl::StatusOr<std::string> bytes = cache_.Get(blob->second, max_bytes, fetcher_);
   if (!bytes.ok()) return Annotate(bytes.status(), absl::StrCat("file '", path, "'"));
   return bytes;

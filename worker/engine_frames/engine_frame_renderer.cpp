@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
@@ -22,6 +23,8 @@ template <typename F>
 auto WithoutExceptions(absl::string_view doing, F&& f) -> decltype(f()) {
   try {
     return f();
+  } catch (const WorkLimit::Exceeded& exceeded) {
+    return TookTooLong(doing, exceeded);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(doing, ": out of memory"));
   } catch (const std::exception& e) {
@@ -52,6 +55,8 @@ class EngineFrameRenderer final : public FrameRenderer {
 
 absl::StatusOr<std::shared_ptr<const engine::Scene>> EngineFrameRendererFactory::Import(
     const engine::AssetSource& source) {
+  const WorkLimit limit(clock_, time_);
+  const WorkLimitScope scope(&limit);
   return WithoutExceptions(absl::StrCat("load scene ", source.RootName()),
                            [&] { return engine::ImportGltf(source); });
 }
@@ -59,7 +64,9 @@ absl::StatusOr<std::shared_ptr<const engine::Scene>> EngineFrameRendererFactory:
 absl::StatusOr<std::shared_ptr<const FrameRenderer>> EngineFrameRendererFactory::MakeFrame(
     std::shared_ptr<const engine::Scene> scene, int frame, const RenderSettings& settings, int threads) {
   using Result = absl::StatusOr<std::shared_ptr<const FrameRenderer>>;
+  const WorkLimit limit(clock_, time_);
   const auto make = [&]() -> Result {
+    const WorkLimitScope scope(&limit);
     SL_ASSIGN_OR_RETURN(auto frame_scene, engine::BuildFrameScene(std::move(scene), frame, settings));
     SL_ASSIGN_OR_RETURN(auto integrator,
                         engine::MakeTileIntegrator(std::move(frame_scene), frame, settings, threads, cache_));

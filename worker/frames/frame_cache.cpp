@@ -15,11 +15,18 @@ bool IsPermanent(const absl::Status& status) {
 
 }  // namespace
 
-FrameCache::FrameCache(FrameRendererFactory& factory, const FrameCacheOptions& options)
+FrameCache::FrameCache(FrameRendererFactory& factory, const FrameCacheOptions& options, const Clock& clock)
     : factory_(factory),
       options_(options),
-      scenes_(options.max_scenes, IsPermanent),
-      frames_(options.max_frames, IsPermanent) {}
+      scenes_(
+          options.max_scenes, [this](const absl::Status& error) { return KeepTimeOf(error); }, clock),
+      frames_(
+          options.max_frames, [this](const absl::Status& error) { return KeepTimeOf(error); }, clock) {}
+
+absl::Duration FrameCache::KeepTimeOf(const absl::Status& error) const {
+  if (IsPermanent(error)) return absl::InfiniteDuration();
+  return absl::IsDeadlineExceeded(error) ? options_.retry_late : absl::ZeroDuration();
+}
 
 absl::StatusOr<std::shared_ptr<const FrameRenderer>> FrameCache::Get(const Digest& scene, int frame,
                                                                      const RenderSettings& settings,

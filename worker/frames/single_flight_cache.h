@@ -3,27 +3,32 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
+#include <absl/time/time.h>
 
 #include <functional>
 #include <list>
 #include <memory>
 #include <utility>
 
+#include "common/base/clock.h"
+
 namespace shutterline::worker {
 
 /// At most `capacity` finished values, least recently used dropped first; values are made on demand, each
 /// by one thread while the others that want it wait. A dropped value lives on with those who hold it.
 ///
-/// Errors that the same inputs would meet again (`is_permanent`) are kept like values, so that a broken
-/// scene is read once and not once a tile; other errors go to those who waited, and the next caller tries
-/// again. Thread-safe. Keys are compared with ==; capacities are small, so the search is linear.
+/// Errors are kept like values for as long as `keep_time` says, so that a broken scene is read once and not
+/// once a tile. Where that is no time, they go to those who waited, and the next caller tries again.
+/// Thread-safe. Keys are compared with ==; capacities are small, so the search is linear.
 template <typename Key, typename Value>
 class SingleFlightCache {
  public:
   using Result = absl::StatusOr<std::shared_ptr<const Value>>;
 
-  SingleFlightCache(size_t capacity, bool (*is_permanent)(const absl::Status&))
-      : capacity_(capacity), is_permanent_(is_permanent) {}
+  /// `clock` must outlive this.
+  SingleFlightCache(size_t capacity, std::function<absl::Duration(const absl::Status&)> keep_time,
+                    const Clock& clock = Clock::System())
+      : capacity_(capacity), keep_time_(std::move(keep_time)), clock_(clock) {}
 
   /// `make` runs without the cache's lock and must not throw.
   Result Get(const Key& key, const std::function<Result()>& make) {
@@ -32,6 +37,10 @@ class SingleFlightCache {
       absl::MutexLock lock(&mutex_);
       for (auto it = entries_.begin(); it != entries_.end(); ++it) {
         if ((*it)->key == key) {
+          if ((*it)->done && (*it)->until <= clock_.Monotonic()) {
+            entries_.erase(it);
+            break;
+          }
           entries_.splice(entries_.begin(), entries_, it);
           entry = *it;
           mutex_.Await(absl::Condition(&entry->done));
@@ -43,10 +52,11 @@ class SingleFlightCache {
     }
     Result result = make();
     absl::MutexLock lock(&mutex_);
-    const bool keep = result.ok() || is_permanent_(result.status());
+    const absl::Duration keep = result.ok() ? absl::InfiniteDuration() : keep_time_(result.status());
     entry->result = std::move(result);
+    entry->until = clock_.Monotonic() + keep;
     entry->done = true;
-    if (!keep) entries_.remove(entry);
+    if (keep <= absl::ZeroDuration()) entries_.remove(entry);
     DropOldestLocked();
     return entry->result;
   }
@@ -62,6 +72,7 @@ class SingleFlightCache {
     explicit Entry(const Key& k) : key(k) {}
     const Key key;
     bool done = false;
+    absl::Duration until;  ///< Once done.
     Result result = absl::UnknownError("not made yet");
   };
 
@@ -74,7 +85,8 @@ class SingleFlightCache {
   }
 
   const size_t capacity_;
-  bool (*const is_permanent_)(const absl::Status&);
+  const std::function<absl::Duration(const absl::Status&)> keep_time_;
+  const Clock& clock_;
   mutable absl::Mutex mutex_;
   std::list<std::shared_ptr<Entry>> entries_ ABSL_GUARDED_BY(mutex_);  // Most recently used first.
 };

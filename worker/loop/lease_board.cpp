@@ -6,6 +6,13 @@
 #include "common/base/check.h"
 
 namespace shutterline::worker {
+namespace {
+
+/// Frames that are known to be ready: about as many as are kept. One that is not kept any more is made ready
+/// again by the first thread that asks for it, for which the others wait.
+constexpr size_t kReadyFrames = 4;
+
+}  // namespace
 
 bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
                        std::span<const uint32_t> tiles) {
@@ -36,12 +43,44 @@ bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, 
 
 std::optional<TileTask> LeaseBoard::Take() {
   absl::MutexLock lock(&mutex_);
+  ++idle_;
   mutex_.Await(absl::Condition(this, &LeaseBoard::CanTakeLocked));
+  --idle_;
   if (closed_) return std::nullopt;
-  TileTask task = std::move(waiting_.front());
-  waiting_.pop_front();
+  const auto next = NextLocked();
+  TileTask task = *next;
+  waiting_.erase(next);
+  FrameName frame(task.job, task.frame);
+  if (std::find(ready_.begin(), ready_.end(), frame) == ready_.end()) preparing_.push_back(std::move(frame));
   ++taken_;
   return task;
+}
+
+bool LeaseBoard::CanStartLocked(const TileTask& task) const {
+  return std::none_of(preparing_.begin(), preparing_.end(), [&](const FrameName& frame) {
+    const WorkerJob& job = *frame.first;
+    if (&job == task.job.get() && frame.second == task.frame) return true;
+    return job.scene_key == task.job->scene_key && !job.imported && !task.job->imported;
+  });
+}
+
+std::deque<TileTask>::const_iterator LeaseBoard::NextLocked() const {
+  return std::find_if(waiting_.begin(), waiting_.end(),
+                      [this](const TileTask& task) ABSL_NO_THREAD_SAFETY_ANALYSIS {
+                        return task.job->forgotten || CanStartLocked(task);
+                      });
+}
+
+void LeaseBoard::FrameReady(const TileTask& task, bool ok) {
+  const FrameName frame(task.job, task.frame);
+  if (ok && !task.job->imported) task.job->imported = true;
+  absl::MutexLock lock(&mutex_);
+  const auto preparing = std::find(preparing_.begin(), preparing_.end(), frame);
+  if (preparing == preparing_.end()) return;  // It was ready before.
+  preparing_.erase(preparing);
+  if (!ok) return;
+  ready_.push_front(frame);
+  if (ready_.size() > kReadyFrames) ready_.pop_back();
 }
 
 void LeaseBoard::Rendered(const TileTask& task) {
@@ -187,6 +226,11 @@ size_t LeaseBoard::UnrenderedLeases() const {
 bool LeaseBoard::Idle() const {
   absl::MutexLock lock(&mutex_);
   return waiting_.empty() && taken_ == 0;
+}
+
+bool LeaseBoard::Starved() const {
+  absl::MutexLock lock(&mutex_);
+  return idle_ > 0 && !waiting_.empty() && !CanTakeLocked();
 }
 
 }  // namespace shutterline::worker

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "worker/loop/tile_task.h"
@@ -18,11 +19,13 @@ namespace shutterline::worker {
 
 /// The leases that a worker holds, and their tiles that wait for a thread.
 ///
-///     Grant (Take Rendered)* Acknowledged*  |  Revoke  |  Suspend (Adopt | DropSuspended)
+///     Grant (Take FrameReady Rendered)* Acknowledged*  |  Revoke  |  Suspend (Adopt | DropSuspended)
 ///
 /// A lease is *unrendered* until all its tiles have been rendered: that many leases occupy credit. It is
 /// *live* until all its tiles have been acknowledged as well: heartbeats name it. Tiles leave in the order
-/// in which they were granted.
+/// in which they were granted, but one thread alone makes a frame ready: from Take of a tile of it until
+/// FrameReady, others get tiles of other frames, or wait. So a scene whose import takes long holds up one
+/// thread, and no other job. The same holds for a scene before its import, which serves all of its frames.
 ///
 /// Lease ids mean something within a session only, from Suspend to Suspend. A session's end suspends its
 /// leases: threads go on with their tiles, for the next session may adopt them, under new ids; what it does
@@ -37,8 +40,11 @@ class LeaseBoard {
   bool Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
              std::span<const uint32_t> tiles);
 
-  /// The next tile; blocks until there is one. Nothing once the board is closed.
+  /// The next tile; blocks until there is one whose frame no other thread is making ready. Nothing once the
+  /// board is closed.
   std::optional<TileTask> Take();
+  /// The frame of a taken tile is ready, or (`ok` false) cannot be made so. To be called once a tile.
+  void FrameReady(const TileTask& task, bool ok);
 
   /// A taken tile has been rendered (or has failed, or is not wanted any more).
   void Rendered(const TileTask& task);
@@ -72,6 +78,9 @@ class LeaseBoard {
   size_t UnrenderedLeases() const;
   /// Nothing waits for a thread and no thread has a tile.
   bool Idle() const;
+  /// Threads are free and tiles wait, but all of frames that other threads are making ready: leases of other
+  /// frames would be of use.
+  bool Starved() const;
 
  private:
   struct Tile {
@@ -90,7 +99,11 @@ class LeaseBoard {
   void EraseLocked(Leases::iterator lease) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Takes the tiles that no lease has any more out of those that wait.
   void DropWaitingLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool CanTakeLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !waiting_.empty(); }
+  bool CanStartLocked(const TileTask& task) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::deque<TileTask>::const_iterator NextLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool CanTakeLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return closed_ || NextLocked() != waiting_.end();
+  }
 
   std::function<void()> on_progress_;
   mutable absl::Mutex mutex_;
@@ -98,9 +111,13 @@ class LeaseBoard {
   absl::btree_map<uint64_t, uint64_t> tickets_ ABSL_GUARDED_BY(mutex_);  ///< By lease id, of this session.
   uint64_t next_ticket_ ABSL_GUARDED_BY(mutex_) = 1;
   std::deque<TileTask> waiting_ ABSL_GUARDED_BY(mutex_);
+  using FrameName = std::pair<std::shared_ptr<const WorkerJob>, int>;
+  std::vector<FrameName> preparing_ ABSL_GUARDED_BY(mutex_);  ///< One a thread that is at it.
+  std::deque<FrameName> ready_ ABSL_GUARDED_BY(mutex_);       ///< The latest, which are not waited for.
   uint64_t session_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t unrendered_leases_ ABSL_GUARDED_BY(mutex_) = 0;
   int taken_ ABSL_GUARDED_BY(mutex_) = 0;
+  int idle_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Threads in Take.
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

@@ -1,5 +1,6 @@
 #include "worker/loop/render_loop.h"
 
+#include <absl/cleanup/cleanup.h>
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
@@ -18,9 +19,14 @@ namespace shutterline::worker {
 static_assert(std::endian::native == std::endian::little, "tiles travel as little-endian floats");
 
 RenderLoop::RenderLoop(int threads, LeaseBoard& board, ResultBuffer& results, FrameCache& frames,
-                       OpenScene open_scene, const Clock& clock)
-    : board_(board), results_(results), frames_(frames), open_scene_(std::move(open_scene)), clock_(clock) {
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
+                       OpenScene open_scene, const Clock& clock, RenderingTable* table)
+    : board_(board),
+      results_(results),
+      frames_(frames),
+      open_scene_(std::move(open_scene)),
+      clock_(clock),
+      table_(table) {
+  for (int i = 0; i < threads; ++i) threads_.emplace_back([this, i] { Run(size_t(i)); });
 }
 
 RenderLoop::~RenderLoop() {
@@ -29,13 +35,19 @@ RenderLoop::~RenderLoop() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void RenderLoop::Run() {
+void RenderLoop::Run(size_t thread) {
   // Room first: a thread that holds a tile must be able to finish it.
   while (results_.WaitForRoom()) {
     const std::optional<TileTask> task = board_.Take();
     if (!task) return;
-    if (!task->job->forgotten) {
+    if (task->job->forgotten) {
+      board_.FrameReady(*task, false);
+    } else {
+      if (table_ != nullptr) table_->Begin(thread, task->job->id, task->frame, task->tile);
+      spdlog::debug("tile begins job={} frame={} tile={} lease={}", LogValue(task->job->id), task->frame,
+                    task->tile, task->lease_id);
       TileResult result = RenderTile(*task);
+      if (table_ != nullptr) table_->End(thread);
       // In this order: a worker that drains sees the tile on the board or among the results, always.
       if (!task->job->forgotten) results_.Add(std::move(result));
     }
@@ -67,7 +79,9 @@ TileResult RenderLoop::RenderTile(const TileTask& task) {
   return result;
 }
 
-absl::Status RenderLoop::RenderPixels(const TileTask& task, TileResult& result) const {
+absl::StatusOr<std::shared_ptr<const FrameRenderer>> RenderLoop::FrameOf(const TileTask& task) const {
+  bool ok = false;
+  const absl::Cleanup ready = [&] { board_.FrameReady(task, ok); };
   const WorkerJob& job = *task.job;
   SL_RETURN_IF_ERROR(job.status);
   const TileGrid grid{job.settings.width, job.settings.height};
@@ -75,9 +89,15 @@ absl::Status RenderLoop::RenderPixels(const TileTask& task, TileResult& result) 
     return absl::InvalidArgumentError(
         absl::StrCat("tile ", task.tile, " does not exist: the frame has ", grid.Count()));
   }
-  SL_ASSIGN_OR_RETURN(
-      const std::shared_ptr<const FrameRenderer> frame,
-      frames_.Get(job.scene_key, task.frame, job.settings, [&] { return open_scene_(job.scene); }));
+  auto frame = frames_.Get(job.scene_key, task.frame, job.settings, [&] { return open_scene_(job.scene); });
+  ok = frame.ok();
+  return frame;
+}
+
+absl::Status RenderLoop::RenderPixels(const TileTask& task, TileResult& result) const {
+  const WorkerJob& job = *task.job;
+  SL_ASSIGN_OR_RETURN(const std::shared_ptr<const FrameRenderer> frame, FrameOf(task));
+  const TileGrid grid{job.settings.width, job.settings.height};
   const TileRect rect = grid.Rect(int(task.tile));
   std::vector<float> pixels(size_t(rect.Area()) * size_t(OutputChannelCount(job.settings)));
   SL_RETURN_IF_ERROR(frame->Render(rect, pixels, result.stats));

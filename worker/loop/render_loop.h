@@ -10,6 +10,7 @@
 #include "worker/frames/frame_cache.h"
 #include "worker/loop/lease_board.h"
 #include "worker/loop/result_buffer.h"
+#include "worker/supervise/rendering_table.h"
 
 namespace shutterline::worker {
 
@@ -22,9 +23,10 @@ using OpenScene =
 /// input ends a thread. Between tiles a job that has ended is let go at once.
 class RenderLoop {
  public:
-  /// Starts `threads` threads. Everything handed in must outlive this.
+  /// Starts `threads` threads, which say in `table`, unless it is null, what they are at. Everything handed
+  /// in must outlive this.
   RenderLoop(int threads, LeaseBoard& board, ResultBuffer& results, FrameCache& frames, OpenScene open_scene,
-             const Clock& clock);
+             const Clock& clock, RenderingTable* table = nullptr);
   /// Closes board and results and waits for the tiles that are being rendered.
   ~RenderLoop();
 
@@ -32,8 +34,9 @@ class RenderLoop {
   int64_t tiles_failed() const { return tiles_failed_; }
 
  private:
-  void Run();
+  void Run(size_t thread);
   TileResult RenderTile(const TileTask& task);
+  absl::StatusOr<std::shared_ptr<const FrameRenderer>> FrameOf(const TileTask& task) const;
   absl::Status RenderPixels(const TileTask& task, TileResult& result) const;
 
   LeaseBoard& board_;
@@ -41,6 +44,7 @@ class RenderLoop {
   FrameCache& frames_;
   const OpenScene open_scene_;
   const Clock& clock_;
+  RenderingTable* const table_;
   std::atomic<int64_t> tiles_rendered_ = 0;
   std::atomic<int64_t> tiles_failed_ = 0;
   std::vector<std::thread> threads_;

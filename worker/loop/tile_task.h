@@ -15,7 +15,7 @@
 
 namespace shutterline::worker {
 
-/// A job as a worker knows it. Immutable but for `forgotten`.
+/// A job as a worker knows it. Immutable but for `forgotten` and `imported`.
 struct WorkerJob {
   std::string id;
   absl::Status status;  ///< Not OK: the coordinator's description of it made no sense; its tiles fail so.
@@ -24,6 +24,8 @@ struct WorkerJob {
   Digest scene_key;  ///< Equal for scenes of equal files.
   /// The job has ended: do not start its tiles, do not send its results.
   std::atomic<bool> forgotten = false;
+  /// Its scene has been imported here: what its frames wait for is not that.
+  mutable std::atomic<bool> imported = false;
 };
 
 /// One tile that is to be rendered.

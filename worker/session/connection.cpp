@@ -201,14 +201,16 @@ bool Connection::WriteDueLocked(absl::Duration& next_beat) {
     said_draining_ = true;
     if (!Write(draining)) return false;
   }
+  const bool beats = clock_.Monotonic() >= next_beat;
+  if (beats) NoteStarvation();
   // Keep 3 leases a slot, asked for anew when fewer than 2 are left: one renders, the others hide the
   // way to the coordinator and back.
   const size_t held = board_.UnrenderedLeases() + credit_;
   const auto slots = size_t(options_.slots);
-  if (!draining_ && held < 2 * slots) {
+  if (!draining_ && held < 2 * slots + extra_) {
     v1::WorkerMessage credit;
-    credit.mutable_credit()->set_leases(uint32_t(3 * slots - held));
-    credit_ += 3 * slots - held;
+    credit.mutable_credit()->set_leases(uint32_t(3 * slots + extra_ - held));
+    credit_ += 3 * slots + extra_ - held;
     if (!Write(credit)) return false;
   }
   if (!to_return_.empty()) {
@@ -217,7 +219,7 @@ bool Connection::WriteDueLocked(absl::Duration& next_beat) {
     to_return_.clear();
     if (!Write(back)) return false;
   }
-  if (clock_.Monotonic() >= next_beat) {
+  if (beats) {
     v1::WorkerMessage beat;
     const std::vector<uint64_t> leases = board_.LiveLeases();
     beat.mutable_heartbeat()->mutable_lease_ids()->Add(leases.begin(), leases.end());
@@ -225,6 +227,17 @@ bool Connection::WriteDueLocked(absl::Duration& next_beat) {
     if (!Write(beat)) return false;
   }
   return true;
+}
+
+/// Where a frame takes so long to be made ready that threads had nothing else to do for a whole interval, so
+/// many leases more that the coordinator, which gives a worker no more than 16 a slot of a job of which
+/// nothing comes back, comes to other jobs.
+void Connection::NoteStarvation() {
+  constexpr size_t kStep = 8, kMostExtra = 32;  // A slot.
+  const auto slots = size_t(options_.slots);
+  const bool starved = board_.Starved();
+  extra_ = starved && starved_ ? std::min(extra_ + kStep * slots, kMostExtra * slots) : starved ? extra_ : 0;
+  starved_ = starved;
 }
 
 bool Connection::Write(const v1::WorkerMessage& message) {

@@ -58,6 +58,7 @@ class Connection {
 
   void Pulse();
   bool WriteDueLocked(absl::Duration& next_beat) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteStarvation() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Writes without the lock. False where the stream is broken.
   bool Write(const v1::WorkerMessage& message) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Leave() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -88,7 +89,9 @@ class Connection {
   bool said_draining_ ABSL_GUARDED_BY(mutex_) = false;
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
   bool receiver_ended_ ABSL_GUARDED_BY(mutex_) = false;
-  size_t credit_ ABSL_GUARDED_BY(mutex_) = 0;  // Given and not used by a grant yet.
+  size_t credit_ ABSL_GUARDED_BY(mutex_) = 0;     // Given and not used by a grant yet.
+  size_t extra_ ABSL_GUARDED_BY(mutex_) = 0;      // Leases beyond those that are kept otherwise.
+  bool starved_ ABSL_GUARDED_BY(mutex_) = false;  // At the last heartbeat.
   std::vector<uint64_t> to_return_ ABSL_GUARDED_BY(mutex_);
   absl::Status ack_status_ ABSL_GUARDED_BY(mutex_);  // What was wrong with an acknowledgement.
   std::atomic<bool> leaving_ = false, left_ = false;

@@ -165,6 +165,18 @@ absl::StatusOr<v1::Welcome> CoordinatorSession::Register() {
   hello.set_isa(options_.identity.isa);
   hello.set_slots(uint32_t(options_.slots));
   hello.set_name(options_.identity.name);
+  for (const WorkerExit& exit : options_.identity.exits) {
+    v1::WorkerExit& said = *hello.add_exits();
+    said.set_boot_id(exit.boot_id);
+    said.set_signal(exit.signal);
+    said.set_log_tail(exit.log_tail);
+    for (const TileAtHand& tile : exit.tiles) {
+      v1::TileName& name = *said.add_tiles();
+      name.set_job_id(tile.job_id);
+      name.set_frame(tile.frame);
+      name.set_tile(tile.tile);
+    }
+  }
 
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() +

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "shutterline/v1/workers.grpc.pb.h"
@@ -17,6 +18,7 @@
 #include "worker/loop/result_buffer.h"
 #include "worker/session/backoff.h"
 #include "worker/session/connection.h"
+#include "worker/supervise/worker_exit.h"
 
 namespace shutterline::worker {
 
@@ -26,7 +28,8 @@ struct WorkerIdentity {
   std::string boot_id;   ///< New with every start of the process.
   std::string build_id;  ///< kBuildId.
   std::string isa;
-  std::string name;  ///< For people.
+  std::string name;               ///< For people.
+  std::vector<WorkerExit> exits;  ///< How earlier processes of this worker ended: at most 4.
 };
 
 struct SessionOptions {

@@ -181,7 +181,8 @@ async function showQuarantine(job) {
   $('quarantine-list').replaceChildren(...quarantined.map((tile) => {
     const item = make('li', '', `Frame ${tile.frame}, tile ${tile.tile}`);
     const words = tile.evidence.map((trouble) =>
-      `${trouble.worker_name || trouble.worker_uuid} ${trouble.worker_ended ? 'ended' : 'failed'}: ${trouble.reason}`);
+      `${trouble.worker_name || trouble.worker_uuid} ${trouble.worker_ended ? 'ended' : 'failed'}: ${trouble.reason}` +
+      (trouble.log_tail ? `\n  ${trouble.log_tail.trimEnd().replaceAll('\n', '\n  ')}` : ''));
     item.append(make('pre', '', words.join('\n')));
     return item;
   }));

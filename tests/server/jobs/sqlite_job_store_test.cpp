@@ -112,8 +112,11 @@ TEST_F(SqliteJobStoreTest, QuarantinedTilesKeepTheirEvidenceUntilARetry) {
   const TileTrouble trouble{"uuid", "name", true, std::string("why\0not", 7), now_};
   TileTrouble second = trouble;
   second.worker_ended = false;
+  TileTrouble third = trouble;
+  third.signal = "SIGSEGV";
+  third.log_tail = "one\ntwo\n";
   ASSERT_TRUE(store_->Quarantine(job.key, {2, 77, {trouble}}).ok());
-  ASSERT_TRUE(store_->Quarantine(job.key, {2, 77, {trouble, second}}).ok());  // Replaces.
+  ASSERT_TRUE(store_->Quarantine(job.key, {2, 77, {trouble, second, third}}).ok());  // Replaces.
   ASSERT_TRUE(store_->Quarantine(job.key, {1, 4'000'000'000u, {}}).ok());
   ASSERT_TRUE(store_->Quarantine(other.key, {3, 1, {second}}).ok());
   FinishedFrame partial{2, Sha256("exr"), 77, {}, 1};
@@ -127,7 +130,7 @@ TEST_F(SqliteJobStoreTest, QuarantinedTilesKeepTheirEvidenceUntilARetry) {
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].tile, 4'000'000'000u);
   EXPECT_TRUE(tiles[0].evidence.empty());
-  EXPECT_EQ(tiles[1].evidence, (std::vector<TileTrouble>{trouble, second}));
+  EXPECT_EQ(tiles[1].evidence, (std::vector<TileTrouble>{trouble, second, third}));
   EXPECT_EQ(store_->QuarantinedFrames()->size(), 3u);
 
   ASSERT_TRUE(store_->Retry(job.key).ok());

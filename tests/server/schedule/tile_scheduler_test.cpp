@@ -280,6 +280,65 @@ TEST_F(TileSchedulerTest, WorkerThatComesBackWasNotKilled) {
   }
 }
 
+TEST_F(TileSchedulerTest, WhatAProcessWasAtIsSuspectAndNothingElse) {
+  scheduler_.AddJob(1, 1, 8, 8);
+  scheduler_.AddWorker(1, "w", 1, "boot 1", "host");
+  std::vector<Lease> leases;
+  for (int i = 0; i < 3; ++i) leases.push_back(*scheduler_.Grant(1));
+  // Not that of the oldest lease: its frame was being made ready elsewhere, say. And one that it does not
+  // hold.
+  WorkerEnd end{{"boot 1", "SIGBUS", "tail"}, {{1, 0, leases[1].tiles[0]}, {1, 0, 63}}};
+  EXPECT_TRUE(scheduler_.BuryWorker(1, &end).empty());
+  const JobQueue& queue = *scheduler_.Find(1);
+  EXPECT_EQ(queue.TroublesOf(0, leases[0].tiles[0]), nullptr);
+  EXPECT_EQ(queue.TroublesOf(0, 63), nullptr);
+  const TroubleLog* log = queue.TroublesOf(0, leases[1].tiles[0]);
+  ASSERT_NE(log, nullptr);
+  EXPECT_TRUE(log->suspect());
+  EXPECT_EQ(log->evidence[0],
+            (TileTrouble{"w", "host", true, "its process ended while it rendered the tile: SIGBUS",
+                         clock_.Wall(), "SIGBUS", "tail", "boot 1"}));
+  EXPECT_EQ(queue.remaining(), 64);
+}
+
+TEST_F(TileSchedulerTest, WorkerThatBringsNothingBackOfAJobComesToOthers) {
+  scheduler_.AddJob(1, 1, 100, 10, 5);
+  scheduler_.AddJob(2, 1, 100, 10);
+  scheduler_.AddWorker(1, "a", 2);
+  for (int i = 0; i < 32; ++i) EXPECT_EQ(scheduler_.Grant(1)->job, 1u);
+  const Lease other = *scheduler_.Grant(1);
+  EXPECT_EQ(other.job, 2u) << "though the first job comes before it";
+  Finish(other, absl::Milliseconds(25));
+  EXPECT_EQ(scheduler_.Grant(1)->job, 2u);
+  scheduler_.AddWorker(2, "b", 1);
+  EXPECT_EQ(scheduler_.Grant(2)->job, 1u) << "the first job has tiles for who can render them";
+}
+
+TEST_F(TileSchedulerTest, LateWordAcquitsWhatAProcessWasNotAt) {
+  scheduler_.AddJob(1, 1, 8, 8);
+  scheduler_.AddWorker(1, "w", 2, "boot 1");
+  const Lease a = *scheduler_.Grant(1), b = *scheduler_.Grant(1);
+  scheduler_.LoseWorker(1);
+  clock_.Advance(absl::Seconds(1));
+  scheduler_.Expire();
+  const JobQueue& queue = *scheduler_.Find(1);
+  ASSERT_TRUE(queue.TroublesOf(0, a.tiles[0])->suspect());
+  ASSERT_TRUE(queue.TroublesOf(0, b.tiles[0])->suspect());
+  scheduler_.Testify("w", {{"boot 2", "SIGBUS", "of another process"}, {}});
+  scheduler_.Testify("v", {{"boot 1", "SIGBUS", "of another worker"}, {}});
+  EXPECT_TRUE(queue.TroublesOf(0, a.tiles[0])->suspect());
+  for (int times = 0; times < 2; ++times) {
+    scheduler_.Testify("w", {{"boot 1", "SIGSEGV", "tail"}, {{1, 0, b.tiles[0]}}});
+    EXPECT_FALSE(queue.TroublesOf(0, a.tiles[0])->suspect());
+    EXPECT_EQ(queue.TroublesOf(0, a.tiles[0])->deaths, 0);
+    const TroubleLog& log = *queue.TroublesOf(0, b.tiles[0]);
+    EXPECT_TRUE(log.suspect());
+    ASSERT_EQ(log.evidence.size(), 1u);
+    EXPECT_EQ(log.evidence[0].signal, "SIGSEGV");
+    EXPECT_EQ(log.evidence[0].log_tail, "tail");
+  }
+}
+
 TEST_F(TileSchedulerTest, RemovedJobEndsItsLeasesAndIgnoresResults) {
   scheduler_.AddJob(1, 1, 1, 1);
   scheduler_.AddWorker(1, "a", 1);

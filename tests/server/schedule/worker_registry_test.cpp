@@ -8,7 +8,7 @@ namespace {
 
 TEST(WorkerRegistry, TakesNoMoreThanABound) {
   WorkerRegistry registry({"build", 1, 1});
-  WorkerHello hello{"uuid", "boot", "build", "isa", "name", 1, 1, 1};
+  WorkerHello hello{"uuid", "boot", "build", "isa", "name", 1, 1, 1, {}};
   WorkerId last = 0;
   for (int i = 0; i < 8192; ++i) {
     hello.uuid = absl::StrCat("uuid-", i);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/work_limit.h"
+
 namespace shutterline::engine {
 namespace {
 
@@ -56,7 +58,7 @@ class Builder {
         order_[i] = items_[i].box;
         Extend(bounds, boxes_[items_[i].box]);
       }
-    } else if (const uint32_t middle = Cut(begin, end); end - begin < kTaskBoxes) {
+    } else if (const uint32_t middle = CheckedCut(begin, end); end - begin < kTaskBoxes) {
       bounds = Build(begin, middle, nodes);
       Extend(bounds, Build(middle, end, nodes));
     } else {
@@ -79,6 +81,12 @@ class Builder {
   }
 
  private:
+  /// Cut, unless the work's time is over. A hostile set is cut a few items at a time.
+  uint32_t CheckedCut(uint32_t begin, uint32_t end) {
+    if (end - begin >= kTaskBoxes) CheckWork(limit_);
+    return Cut(begin, end);
+  }
+
   /// Sorts items [begin, end) into two sets that are not empty; returns where the second begins.
   uint32_t Cut(uint32_t begin, uint32_t end) {
     std::array<float, 3> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
@@ -102,6 +110,7 @@ class Builder {
     return begin + uint32_t(cut - first);
   }
 
+  const WorkLimit* const limit_ = WorkLimit::Current();
   const std::span<const ViewBounds> boxes_;
   std::vector<Item> items_;
   std::vector<uint32_t>& order_;

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/work_limit.h"
 #include "worker/engine/accel/bounds_tree.h"
 #include "worker/engine/accel/facing.h"
 #include "worker/engine/accel/swept_bounds.h"
@@ -32,7 +33,11 @@ class FlatBvh : public Bvh {
   void BuildTree(int threads) {
     // More threads than processors would only make TBB complain.
     tbb::task_arena arena(std::clamp(threads, 1, tbb::info::default_concurrency()));
-    arena.execute([&] { BuildTreeInArena(); });
+    const WorkLimit* const limit = WorkLimit::Current();
+    arena.execute([&] {
+      const WorkLimitScope scope(limit);
+      BuildTreeInArena();
+    });
   }
 
   void CollectVisible(const TileRect& rect, std::vector<uint32_t>& triangles) const override {
@@ -83,10 +88,12 @@ class FlatBvh : public Bvh {
 
   /// Bounds references and nodes in the raster, and drops the references that are never visible.
   void BoundInRaster() {
+    const WorkLimit* const limit = WorkLimit::Current();
     bounds_.resize(refs_.size());
     const double far_depth = frame_->view.FarDepth();
     tbb::parallel_for(tbb::blocked_range<size_t>(0, refs_.size(), 1024),
                       [&](const tbb::blocked_range<size_t>& part) {
+                        CheckWork(limit);
                         std::vector<RasterPoint> hull;
                         for (size_t i = part.begin(); i < part.end(); ++i) {
                           if (IsCulled(refs_[i].triangle)) continue;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "common/base/work_limit.h"
 #include "common/job/tile.h"
 #include "common/math/bezier.h"
 
@@ -224,9 +225,13 @@ bool IsSlow(const FramePrimitive& primitive) {
 /// Calls `f(begin, end)`, in parallel, with parts of the triangles of a primitive.
 template <typename F>
 void ForTriangles(const FramePrimitive& primitive, F f) {
+  const WorkLimit* const limit = WorkLimit::Current();
   const uint32_t end = primitive.first_triangle + primitive.triangle_count;
   tbb::parallel_for(tbb::blocked_range<uint32_t>(primitive.first_triangle, end, kTask),
-                    [&](const tbb::blocked_range<uint32_t>& part) { f(part.begin(), part.end()); });
+                    [&](const tbb::blocked_range<uint32_t>& part) {
+                      CheckWork(limit);
+                      f(part.begin(), part.end());
+                    });
 }
 
 /// Bounds of the triangles of a primitive over the whole shutter, where vertices are shared: each vertex is
@@ -282,9 +287,11 @@ ViewBounds BoundsOf(const FrameScene& frame, const TriangleRef& ref, double scal
 }
 
 BoundedRefs MakeBoundedRefs(const FrameScene& frame, double scale) {
+  const WorkLimit* const limit = WorkLimit::Current();
   // Count the references before each triangle.
   std::vector<uint32_t> first_ref(frame.triangles.size() + 1, 1);
   tbb::parallel_for(size_t{0}, frame.primitives.size(), [&](size_t p) {
+    const WorkLimitScope scope(limit);
     const FramePrimitive& primitive = frame.primitives[p];
     if (IsSlow(primitive)) return;
     ForTriangles(primitive, [&](uint32_t begin, uint32_t end) {
@@ -308,6 +315,7 @@ BoundedRefs MakeBoundedRefs(const FrameScene& frame, double scale) {
   result.refs.resize(first_ref.back());
   result.bounds.resize(first_ref.back());
   tbb::parallel_for(size_t{0}, frame.primitives.size(), [&](size_t p) {
+    const WorkLimitScope scope(limit);
     const FramePrimitive& primitive = frame.primitives[p];
     std::optional<VertexBounds> vertices;
     if (primitive.vertex_count <= 3 * uint64_t{primitive.triangle_count}) {

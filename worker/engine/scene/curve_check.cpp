@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/affine_path.h"
 
 namespace shutterline::engine {
@@ -46,10 +47,12 @@ bool CurveCheck::IsWithinTolerance(const MeshPose& pose, std::span<const uint32_
       return true;
     }
   }
+  const WorkLimit* const limit = WorkLimit::Current();
   std::atomic<bool> all_within = true;
   tbb::parallel_for(tbb::blocked_range<size_t>(0, CountOf(vertices), kPathsPerTask),
                     [&](const tbb::blocked_range<size_t>& range) {
                       if (!all_within.load(std::memory_order_relaxed)) return;
+                      CheckWork(limit);
                       ForEachPlace(pose, vertices, range.begin(), range.end(),
                                    [&](const RasterPoint& path, const RasterPoint& fit) {
                                      if (IsSurelyWithinTolerance(view_, path, fit)) return true;
@@ -64,9 +67,11 @@ bool CurveCheck::IsWithinTolerance(const MeshPose& pose, std::span<const uint32_
 }
 
 PathError CurveCheck::LargestError(const MeshPose& pose, std::span<const uint32_t> vertices) const {
+  const WorkLimit* const limit = WorkLimit::Current();
   return tbb::parallel_reduce(
       tbb::blocked_range<size_t>(0, CountOf(vertices), kPathsPerTask), PathError(),
       [&](const tbb::blocked_range<size_t>& range, PathError error) {
+        CheckWork(limit);
         ForEachPlace(pose, vertices, range.begin(), range.end(),
                      [&](const RasterPoint& path, const RasterPoint& fit) {
                        error.Extend(PathErrorBetween(view_, path, fit));

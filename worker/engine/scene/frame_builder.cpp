@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/material_textures.h"
 #include "worker/engine/scene/scene_bounds.h"
 
@@ -25,6 +26,28 @@ namespace {
 /// Warnings name this many meshes whose motion misses their path, the worst first, and count the rest.
 constexpr size_t kNamedMeshes = 16;
 constexpr uint32_t kTaskSize = 1024;
+
+/// Calls `f(i)` for all `i` below `count`, in parallel, within the limit of who calls.
+template <typename F>
+void ForEach(size_t count, F f) {
+  const WorkLimit* const limit = WorkLimit::Current();
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    CheckWork(limit);
+    const WorkLimitScope scope(limit);
+    f(i);
+  });
+}
+
+/// Calls `f(begin, end)`, in parallel, with parts of what is below `count`, within the limit of who calls.
+template <typename F>
+void ForParts(uint32_t count, F f) {
+  const WorkLimit* const limit = WorkLimit::Current();
+  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, count, kTaskSize),
+                    [&](const tbb::blocked_range<uint32_t>& range) {
+                      CheckWork(limit);
+                      f(range.begin(), range.end());
+                    });
+}
 
 bool AreEqual(const std::vector<V4f>& colors) {
   return !colors.empty() &&
@@ -83,6 +106,7 @@ absl::Status FrameBuilder::MakeView() {
 absl::Status FrameBuilder::PlaceMeshes() {
   uint64_t triangles = 0, vertices = 0;
   for (const int node : NodesInDefaultScene(scene_)) {
+    CheckWork();
     const bool is_light = scene_.nodes[size_t(node)].light >= 0;
     if (is_light && !shutter_.IsStill() && shutter_.sampler().Moves(node)) anything_moves_ = true;
     const int mesh_index = scene_.nodes[size_t(node)].mesh;
@@ -125,7 +149,7 @@ void FrameBuilder::FitMotion(const Moment& open) {
     const size_t mesh = size_t(placed.mesh - scene_.meshes.data());
     if (placed.moves && vertex_sets_.try_emplace(placed.mesh).second) moving.push_back(mesh);
   }
-  tbb::parallel_for(size_t{0}, moving.size(), [&](size_t i) {
+  ForEach(moving.size(), [&](size_t i) {
     vertex_sets_.at(&scene_.meshes[moving[i]]) = scene_.facts.VertexSetsOf(scene_.meshes, moving[i]);
   });
   MotionFitter fitter(scene_, frame_->view, shutter_, settings_, placed_, vertex_sets_);
@@ -163,7 +187,7 @@ absl::Status FrameBuilder::LayOutVertices(const Moment& still) {
       moments.emplace(t, std::move(moment));
     }
   }
-  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
+  ForEach(placed_.size(), [&](size_t i) {
     const PlacedMesh& placed = placed_[i];
     const FittedMesh& fitted = fitted_[i];
     const MeshPose rest(scene_, placed.node, still.pose, still.camera);
@@ -196,7 +220,7 @@ absl::Status FrameBuilder::LayOutVertices(const Moment& still) {
 }
 
 void FrameBuilder::EvaluateNormals(const Moment& moment) {
-  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
+  ForEach(placed_.size(), [&](size_t i) {
     const PlacedMesh& placed = placed_[i];
     const MeshPose pose(scene_, placed.node, moment.pose, moment.camera);
     for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
@@ -204,13 +228,10 @@ void FrameBuilder::EvaluateNormals(const Moment& moment) {
       FramePrimitive& primitive = frame_->primitives[placed.first_primitive + k];
       primitive.mirrored = pose.Mirrors(source);
       if (!primitive.has_normals) continue;
-      tbb::parallel_for(
-          tbb::blocked_range<uint32_t>(0, primitive.vertex_count, kTaskSize),
-          [&](const tbb::blocked_range<uint32_t>& range) {
-            pose.WriteNormals(
-                source, range.begin(),
-                std::span(frame_->normals).subspan(primitive.first_normal + range.begin(), range.size()));
-          });
+      ForParts(primitive.vertex_count, [&](uint32_t begin, uint32_t end) {
+        pose.WriteNormals(source, begin,
+                          std::span(frame_->normals).subspan(primitive.first_normal + begin, end - begin));
+      });
     }
   });
 }
@@ -228,7 +249,7 @@ void FrameBuilder::MakeTriangles() {
   std::vector<FramePrimitive>& primitives = frame_->primitives;
 
   // Count the triangles that can be drawn.
-  tbb::parallel_for(size_t{0}, primitives.size(), [&](size_t i) {
+  ForEach(primitives.size(), [&](size_t i) {
     FramePrimitive& primitive = primitives[i];
     const auto& triangles = primitive.source->triangles;
     primitive.triangle_count = uint32_t(
@@ -249,7 +270,7 @@ void FrameBuilder::MakeTriangles() {
 
   // Write them, mirrored ones with two corners swapped.
   frame_->triangles.resize(total);
-  tbb::parallel_for(size_t{0}, primitives.size(), [&](size_t i) {
+  ForEach(primitives.size(), [&](size_t i) {
     const FramePrimitive& primitive = primitives[i];
     FrameTriangle* out = frame_->triangles.data() + primitive.first_triangle;
     for (const std::array<uint32_t, 3>& triangle : primitive.source->triangles) {
@@ -270,7 +291,7 @@ void FrameBuilder::EvaluateTangents(const Moment& moment) {
   }
   if (total == 0) return;
   frame_->tangents.resize(total);
-  tbb::parallel_for(size_t{0}, placed_.size(), [&](size_t i) {
+  ForEach(placed_.size(), [&](size_t i) {
     const PlacedMesh& placed = placed_[i];
     const MeshPose pose(scene_, placed.node, moment.pose, moment.camera);
     for (size_t k = 0; k < placed.mesh->primitives.size(); ++k) {
@@ -288,21 +309,20 @@ void FrameBuilder::WriteTangents(const MeshPose& pose, size_t number) {
   for (uint32_t t = 0; !usable_[number] && t < source.triangles.size(); ++t) {
     if (IsDrawn(primitive, source.triangles[t])) drawn.push_back(t);
   }
-  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, primitive.triangle_count, kTaskSize),
-                    [&](const tbb::blocked_range<uint32_t>& range) {
-                      for (uint32_t i = range.begin(); i < range.end(); ++i) {
-                        const size_t t = usable_[number] ? i : drawn[i];
-                        V4f* const out = &frame_->tangents[primitive.first_tangent + 3 * uint64_t{i}];
-                        for (size_t corner = 0; corner < 3; ++corner) {
-                          const V4f& tangent = source.tangents[3 * t + corner];
-                          const V3d direction = pose.Direction(source, source.triangles[t][corner],
-                                                               V3d(tangent.x, tangent.y, tangent.z));
-                          out[corner] = V4f(float(direction.x), float(direction.y), float(direction.z),
-                                            primitive.mirrored ? -tangent.w : tangent.w);
-                        }
-                        if (primitive.mirrored) std::swap(out[1], out[2]);
-                      }
-                    });
+  ForParts(primitive.triangle_count, [&](uint32_t begin, uint32_t end) {
+    for (uint32_t i = begin; i < end; ++i) {
+      const size_t t = usable_[number] ? i : drawn[i];
+      V4f* const out = &frame_->tangents[primitive.first_tangent + 3 * uint64_t{i}];
+      for (size_t corner = 0; corner < 3; ++corner) {
+        const V4f& tangent = source.tangents[3 * t + corner];
+        const V3d direction =
+            pose.Direction(source, source.triangles[t][corner], V3d(tangent.x, tangent.y, tangent.z));
+        out[corner] = V4f(float(direction.x), float(direction.y), float(direction.z),
+                          primitive.mirrored ? -tangent.w : tangent.w);
+      }
+      if (primitive.mirrored) std::swap(out[1], out[2]);
+    }
+  });
 }
 
 void FrameBuilder::NameMisses() {
@@ -340,7 +360,7 @@ void FrameBuilder::MakeTextures() {
   }
   const std::vector<std::pair<int, TextureEncoding>> wanted(used.begin(), used.end());
   for (auto& of_encoding : frame_->pyramids) of_encoding.resize(scene_.images.size());
-  tbb::parallel_for(size_t{0}, wanted.size(), [&](size_t i) {
+  ForEach(wanted.size(), [&](size_t i) {
     const auto [image, encoding] = wanted[i];
     frame_->pyramids[size_t(encoding)][size_t(image)] =
         scene_.mip_pyramids.Get(scene_.images, image, encoding);

@@ -10,9 +10,13 @@
 
 #include "common/base/check.h"
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 
 namespace shutterline::engine {
 namespace {
+
+/// Elements that are read between two looks at the work's limit.
+constexpr size_t kElementsPerCheck = 1 << 16;
 
 int ComponentBytes(int component_type) {
   switch (component_type) {
@@ -163,6 +167,7 @@ absl::Status Read(const GltfDocument& document, int index, Out* out) {
   const tinygltf::Accessor& accessor = document.model.accessors[size_t(index)];
   const int components = GltfComponents(accessor);
   const size_t element = ElementBytes(accessor);
+  CheckWork();
   if (accessor.bufferView < 0) {
     std::fill_n(out, accessor.count * size_t(components), Out{0});
   } else {
@@ -170,6 +175,7 @@ absl::Status Read(const GltfDocument& document, int index, Out* out) {
     const size_t stride = view_stride != 0 ? view_stride : element;
     const char* from = document.ViewBytes(accessor.bufferView).data() + accessor.byteOffset;
     for (size_t i = 0; i < accessor.count; ++i) {
+      if (i % kElementsPerCheck == 0) CheckWork();
       CopyElement(accessor, components, from + i * stride, out + i * size_t(components));
     }
   }

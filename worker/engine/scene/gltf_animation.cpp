@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_accessor.h"
 
 namespace shutterline::engine {
@@ -131,6 +132,7 @@ absl::Status ImportGltfAnimations(GltfDocument* document, Scene* scene) {
     Animation animation;
     animation.name = animations[a].name;
     for (size_t c = 0; c < animations[a].channels.size(); ++c) {
+      CheckWork();
       const std::string element = absl::StrCat(GltfElement("animation", a, animation.name), " channel ", c);
       auto channel =
           ChannelReader(document, *scene, element).Read(animations[a].channels[c], animations[a].samplers);

@@ -10,6 +10,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/base/utf8.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_accessor.h"
 #include "worker/engine/scene/gltf_container.h"
 #include "worker/engine/scene/gltf_json.h"
@@ -126,7 +127,8 @@ GltfDocument::GltfDocument(const AssetSource& asset_source, const ImportLimits& 
       triangles("triangles", import_limits.max_triangles),
       texture_pixels("pixels", std::min(import_limits.base_texture_pixels, import_limits.max_texture_pixels)),
       drawn_triangles("triangles drawn", import_limits.base_drawn),
-      drawn_vertices("vertices drawn", import_limits.base_drawn) {}
+      drawn_vertices("vertices drawn", import_limits.base_drawn),
+      posed("joints and morph weights posed", import_limits.base_posed) {}
 
 void GltfDocument::Warn(std::string warning) {
   if (report.warnings.size() < kMaxListedWarnings) {
@@ -162,6 +164,7 @@ absl::Status ReadGltfRoot(GltfDocument* document, Json* json, std::string* root,
   *has_bin = container.has_bin;
   SL_ASSIGN_OR_RETURN(const Json parsed, ParseBoundedJson(container.json, document->limits.max_depth,
                                                           document->limits.max_json_values));
+  CheckWork();
   SL_ASSIGN_OR_RETURN(*json, ConformToGltfSchema(parsed, document->limits.max_nodes));
   SL_RETURN_IF_ERROR(CheckAsset(*json));
   return CheckExtensions(*json);
@@ -177,6 +180,7 @@ absl::Status LoadGltfDocument(GltfDocument* document) {
   if (const auto buffers = json.find("buffers"); buffers != json.end()) {
     document->storage.reserve(1 + buffers->size());  // Moved strings would leave the views behind.
     for (size_t i = 0; i < buffers->size(); ++i) {
+      CheckWork();
       SL_RETURN_IF_ERROR(
           Annotate(LoadBuffer(document, (*buffers)[i], i, bin, has_bin), absl::StrCat("buffer ", i)));
     }
@@ -190,11 +194,13 @@ absl::Status LoadGltfDocument(GltfDocument* document) {
   SL_ASSIGN_OR_RETURN(document->lights, ReadGltfLights(json));
   // What a file may unfold into: a fixed amount, and so many bytes for each of its own.
   const uint64_t bytes = document->limits.max_file_bytes - document->file_bytes.Left();
-  document->memory.Raise(bytes * document->limits.memory_per_file_byte);
-  for (GltfBudget* drawn : {&document->drawn_triangles, &document->drawn_vertices}) {
+  document->memory.RaiseWithin(bytes * document->limits.memory_per_file_byte,
+                               std::max(document->limits.base_memory, document->limits.max_memory));
+  for (GltfBudget* drawn : {&document->drawn_triangles, &document->drawn_vertices, &document->posed}) {
     drawn->Raise(uint64_t(double(bytes) * document->limits.drawn_per_file_byte));
   }
   DropChannelsWithoutNode(document, &json);
+  CheckWork();
   SL_ASSIGN_OR_RETURN(document->model, ReadWithTinyGltf(json));
   return CheckGltfAccessors(*document);
 }

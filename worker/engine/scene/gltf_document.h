@@ -34,7 +34,7 @@ struct GltfDocument {
   std::vector<PunctualLight> lights;
   std::vector<absl::string_view> buffers;  ///< As long as their byteLength says.
 
-  GltfBudget file_bytes, memory, vertices, triangles, texture_pixels, drawn_triangles, drawn_vertices;
+  GltfBudget file_bytes, memory, vertices, triangles, texture_pixels, drawn_triangles, drawn_vertices, posed;
   ImportReport report;
 
   /// For people; past a thousand they are only counted.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_animation.h"
 #include "worker/engine/scene/gltf_camera.h"
 #include "worker/engine/scene/gltf_document.h"
@@ -88,6 +89,8 @@ auto Guard(const AssetSource& source, const Work& work) -> decltype(work()) {
     auto result = work();
     if (result.ok()) return result;
     return Annotate(result.status(), context);
+  } catch (const WorkLimit::Exceeded& exceeded) {
+    return TookTooLong(context, exceeded);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrCat(context, ": out of memory"));
   } catch (const std::exception& error) {

@@ -30,19 +30,23 @@ struct ImportLimits {
   /// so many more for each byte of it. A frame stores what is drawn, and a thousand nodes may draw one mesh.
   uint64_t base_drawn = uint64_t{1} << 25;
   double drawn_per_file_byte = 0.25;
+  /// Joints and morph weights of what nodes draw, counted for each node that draws it, as a frame poses them
+  /// for each at many times: so many for any file, and drawn_per_file_byte more.
+  uint64_t base_posed = uint64_t{1} << 18;
   /// Memory that decoded meshes, keys and skins may take: this much for any file, and so many bytes for
   /// each byte of the file. What shares its accessors is stored more than once, so a small file could ask
   /// for far more than its size.
   uint64_t base_memory = uint64_t{512} << 20;
   uint64_t memory_per_file_byte = 64;
+  uint64_t max_memory = uint64_t{16} << 30;  ///< Whatever the file's size.
 };
 
 /// Imports a glTF 2.0 (.gltf, JSON) or GLB file; what it is, is read from its first bytes.
 ///
 /// Errors are INVALID_ARGUMENT (the file breaks a rule), UNIMPLEMENTED (`extensionsRequired` names one
-/// that we do not support), NOT_FOUND (a file), RESOURCE_EXHAUSTED (a limit). A message names file,
-/// element and reason: "load scene fox.glb: accessor 7: byteOffset 120 + 36 × 12 exceeds bufferView 2
-/// (length 400)". A file without anything to draw is an error too.
+/// that we do not support), NOT_FOUND (a file), RESOURCE_EXHAUSTED (a limit), DEADLINE_EXCEEDED (the limit of
+/// the thread's work). A message names file, element and reason: "load scene fox.glb: accessor 7: byteOffset
+/// 120 + 36 × 12 exceeds bufferView 2 (length 400)". A file without anything to draw is an error too.
 absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& source,
                                                         const ImportLimits& limits = {});
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_accessor.h"
 #include "worker/engine/scene/gltf_triangles.h"
 #include "worker/engine/scene/gltf_vertices.h"
@@ -33,6 +34,7 @@ class MeshImporter {
     mesh.name = in.name;
     const size_t targets = in.primitives.empty() ? 0 : in.primitives[0].targets.size();
     for (size_t p = 0; p < in.primitives.size(); ++p) {
+      CheckWork();
       if (in.primitives[p].targets.size() != targets) {
         return absl::InvalidArgumentError(absl::StrCat("primitive ", p, ": ", in.primitives[p].targets.size(),
                                                        " morph targets, but primitive 0 has ", targets));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/pose.h"
 
 namespace shutterline::engine {
@@ -122,9 +123,13 @@ absl::Status ReadRoots(const GltfDocument& document, Scene* scene) {
 /// machine has.
 absl::Status CheckDrawn(GltfDocument* document, const Scene& scene) {
   for (const int n : NodesInDefaultScene(scene)) {
+    CheckWork();
     const Node& node = scene.nodes[size_t(n)];
     if (node.mesh < 0) continue;
     const std::string element = GltfElement("node", size_t(n), node.name);
+    const size_t joints = node.skin < 0 ? 0 : document->model.skins[size_t(node.skin)].joints.size();
+    SL_RETURN_IF_ERROR(
+        document->posed.Take(joints + scene.meshes[size_t(node.mesh)].weights.size(), element));
     for (const MeshPrimitive& primitive : scene.meshes[size_t(node.mesh)].primitives) {
       SL_RETURN_IF_ERROR(document->drawn_triangles.Take(primitive.triangles.size(), element));
       SL_RETURN_IF_ERROR(document->drawn_vertices.Take(primitive.positions.size(), element));
@@ -137,6 +142,7 @@ absl::Status CheckDrawn(GltfDocument* document, const Scene& scene) {
 
 absl::Status ImportGltfNodes(GltfDocument* document, Scene* scene) {
   for (size_t n = 0; n < document->model.nodes.size(); ++n) {
+    CheckWork();
     const tinygltf::Node& in = document->model.nodes[n];
     const std::string element = GltfElement("node", n, in.name);
     Node node;

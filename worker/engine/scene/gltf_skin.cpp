@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_accessor.h"
 
 namespace shutterline::engine {
@@ -60,6 +61,7 @@ int LargestJoint(const Mesh& mesh) {
 
 absl::Status ImportGltfSkins(GltfDocument* document, Scene* scene) {
   for (size_t s = 0; s < document->model.skins.size(); ++s) {
+    CheckWork();
     const tinygltf::Skin& in = document->model.skins[s];
     Skin skin;
     SL_RETURN_IF_ERROR(Annotate(ReadSkin(document, in, &skin), GltfElement("skin", s, in.name)));

@@ -1,6 +1,7 @@
 #include "worker/engine/scene/gltf_tangents.h"
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/material_textures.h"
 #include "worker/engine/scene/tangent_space.h"
 
@@ -16,6 +17,7 @@ absl::Status ImportGltfTangents(GltfDocument* document, Scene* scene) {
   for (size_t m = 0; m < scene->meshes.size(); ++m) {
     Mesh& mesh = scene->meshes[m];
     for (MeshPrimitive& primitive : mesh.primitives) {
+      CheckWork();
       const Material& material = scene->materials[size_t(primitive.material)];
       if (!ShowsNormalTexture(material, primitive)) {
         primitive.tangents = {};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_image.h"
 #include "worker/engine/scene/gltf_uri.h"
 
@@ -80,6 +81,7 @@ absl::StatusOr<int> GltfTextureImporter::ImportTexture(int index) {
 absl::StatusOr<int> GltfTextureImporter::ImportImage(int index) {
   if (const auto known = images_.find(index); known != images_.end()) return known->second;
   const GltfImageSource& source = document_.images[size_t(index)];
+  CheckWork();
   absl::StatusOr<TextureImage> image = DecodeImage(source);
   if (!image.ok()) return Annotate(image.status(), GltfElement("image", size_t(index), source.name));
   image->name = source.name;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/base/status_macros.h"
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/gltf_accessor.h"
 
 namespace shutterline::engine {
@@ -129,6 +130,7 @@ absl::Status ReadInfluences(GltfDocument* document, const Attributes& attributes
 absl::Status ReadTargets(GltfDocument* document, const tinygltf::Primitive& primitive,
                          absl::string_view element, MeshPrimitive* out, std::vector<bool>* finite) {
   for (size_t t = 0; t < primitive.targets.size(); ++t) {
+    CheckWork();
     MorphTarget target;
     for (const auto& [name, accessor] : primitive.targets[t]) {
       if (name == "POSITION") {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/float4.h"
 #include "worker/engine/scene/scene.h"
 
@@ -132,8 +133,10 @@ MipPyramid::Level MipPyramid::Half(int level) const {
       }
     };
     constexpr int kTexelsATask = 4096;
+    const WorkLimit* const limit = WorkLimit::Current();
     tbb::parallel_for(tbb::blocked_range<int>(0, half.height, size_t(1 + kTexelsATask / half.width)),
                       [&](const tbb::blocked_range<int>& range) {
+                        CheckWork(limit);
                         for (int y = range.begin(); y < range.end(); ++y) make_row(y);
                       });
   });

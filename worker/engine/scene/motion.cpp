@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "common/base/check.h"
+#include "common/base/work_limit.h"
 #include "common/math/tolerance.h"
 #include "worker/engine/scene/scene_bounds.h"
 
@@ -184,12 +185,14 @@ ControlPointFacts WriteCurves(const FrameView& view, const MeshPrimitive& primit
                               std::span<const uint8_t> used, std::span<const MeshPose* const> poses,
                               int degree, int pieces, std::span<RasterPoint> points) {
   const size_t per_vertex = size_t(pieces * degree) + 1;
+  const WorkLimit* const limit = WorkLimit::Current();
   SL_CHECK(poses.size() == per_vertex && points.size() == primitive.positions.size() * per_vertex);
   return tbb::parallel_reduce(
       tbb::blocked_range<size_t>(0, primitive.positions.size(), kVerticesPerTask), ControlPointFacts(),
       [&](const tbb::blocked_range<size_t>& range, ControlPointFacts facts) {
         // In parts that stay in the cache.
         for (size_t first = range.begin(); first < range.end(); first += kVerticesPerPart) {
+          CheckWork(limit);
           const size_t count = std::min(kVerticesPerPart, range.end() - first);
           const std::span<RasterPoint> part = points.subspan(first * per_vertex, count * per_vertex);
           for (size_t i = 0; i < per_vertex; ++i) {

@@ -5,10 +5,13 @@
 
 #include <cmath>
 
+#include "common/base/work_limit.h"
 #include "worker/engine/scene/mesh_pose.h"
 
 namespace shutterline::engine {
 namespace {
+
+constexpr uint32_t kVerticesPerCheck = 1024;
 
 bool IsFinite(const V3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -30,11 +33,13 @@ std::vector<uint8_t> UsedVertices(const MeshPrimitive& primitive) {
 }
 
 Box3d WorldBounds(const Scene& scene, const std::vector<int>& mesh_nodes, const Pose& pose) {
+  const WorkLimit* const limit = WorkLimit::Current();
   // Minima and maxima are exact, so the order of the reduction does not matter.
   return tbb::parallel_reduce(
       tbb::blocked_range<size_t>(0, mesh_nodes.size()), Box3d(),
       [&](const tbb::blocked_range<size_t>& range, Box3d box) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
+          CheckWork(limit);
           const MeshPose mesh_pose(scene, mesh_nodes[i], pose, CameraPose());
           const size_t mesh = size_t(scene.nodes[size_t(mesh_nodes[i])].mesh);
           const auto sets = scene.facts.VertexSetsOf(scene.meshes, mesh);
@@ -42,6 +47,7 @@ Box3d WorldBounds(const Scene& scene, const std::vector<int>& mesh_nodes, const 
             const MeshPrimitive& primitive = scene.meshes[mesh].primitives[k];
             const std::vector<uint8_t>& used = (*sets)[k].used;
             for (uint32_t v = 0; v < used.size(); ++v) {
+              if (v % kVerticesPerCheck == 0) CheckWork(limit);
               if (!used[v]) continue;
               const V3d p = mesh_pose.Position(primitive, v);
               if (IsFinite(p)) box.extendBy(p);

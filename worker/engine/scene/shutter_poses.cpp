@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "common/base/work_limit.h"
+
 namespace shutterline::engine {
 
 ShutterPoses::ShutterPoses(const Scene& scene, PoseSampler sampler, int camera_node, double open_seconds,
@@ -19,6 +21,7 @@ bool ShutterPoses::CameraMoves() const {
 }
 
 absl::StatusOr<Moment> ShutterPoses::At(double t) const {
+  CheckWork();
   const double seconds = t == 0   ? open_seconds_
                          : t == 1 ? close_seconds_
                                   : (1 - t) * open_seconds_ + t * close_seconds_;

@@ -7,10 +7,13 @@
 #include <cstdint>
 #include <numeric>
 
+#include "common/base/work_limit.h"
 #include "common/math/unit_vector.h"
 
 namespace shutterline::engine {
 namespace {
+
+constexpr size_t kTrianglesPerCheck = 4096;
 
 V3d Flattened(const V3d& v, const V3d& normal) {
   return v - v.dot(normal) * normal;
@@ -77,6 +80,7 @@ class TangentMaker {
     std::vector<V4f> tangents;
     tangents.reserve(3 * primitive_.triangles.size());
     for (size_t t = 0; t < primitive_.triangles.size(); ++t) {
+      if (t % kTrianglesPerCheck == 0) CheckWork();
       UvDirection uv = DirectionOf(t);
       if (uv.tangent == V3d(0)) uv.side = SideOfNeighbours(t);
       for (size_t k = 0; k < 3; ++k) {
@@ -121,6 +125,7 @@ class TangentMaker {
 
   void SumUp() {
     for (size_t t = 0; t < primitive_.triangles.size(); ++t) {
+      if (t % kTrianglesPerCheck == 0) CheckWork();
       const UvDirection uv = DirectionOf(t);
       if (uv.tangent == V3d(0)) continue;
       for (size_t k = 0; k < 3; ++k) {
