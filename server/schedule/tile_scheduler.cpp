@@ -21,8 +21,8 @@ double Blend(double mean, double newest) {
 }  // namespace
 
 void TileScheduler::AddJob(JobKey job, int frames, int columns, int rows, int priority,
-                           const std::string& user) {
-  jobs_[job].queue = std::make_unique<JobQueue>(frames, columns, rows);
+                           const std::string& user, TileOrder order) {
+  jobs_[job].queue = std::make_unique<JobQueue>(frames, columns, rows, order);
   shares_.Add(job, priority, user);
 }
 

@@ -49,7 +49,8 @@ class TileScheduler {
   TileScheduler(const Clock& clock, const SchedulerOptions& options) : clock_(clock), options_(options) {}
 
   // --- Jobs --------------------------------------------------------------------------------------------
-  void AddJob(JobKey job, int frames, int columns, int rows, int priority = 0, const std::string& user = "");
+  void AddJob(JobKey job, int frames, int columns, int rows, int priority = 0, const std::string& user = "",
+              TileOrder order = TileOrder::kHilbert);
   /// Ends the job's leases; they are returned, their workers should hear of it.
   std::vector<EndedLease> RemoveJob(JobKey job);
   /// The job's tiles; null where the job is not scheduled. To mark what was done before a restart.

@@ -40,6 +40,7 @@ class History {
       job.rows = 1 + Below(4);
       job.priority = Below(3) == 0 ? 1 : 0;
       job.user = Below(2) == 0 ? "ann" : "bob";
+      job.order = TileOrder(Below(3));
       jobs_[JobKey(i + 1)] = job;
     }
     ScheduleJobs();
@@ -59,6 +60,7 @@ class History {
   struct Job {
     int frames = 0, columns = 0, rows = 0, priority = 0;
     std::string user;
+    TileOrder order = TileOrder::kHilbert;
     bool paused = false, cancelled = false;
   };
   struct Worker {
@@ -81,7 +83,7 @@ class History {
   void ScheduleJobs() {
     for (const auto& [key, job] : jobs_) {
       if (job.cancelled) continue;
-      scheduler_->AddJob(key, job.frames, job.columns, job.rows, job.priority, job.user);
+      scheduler_->AddJob(key, job.frames, job.columns, job.rows, job.priority, job.user, job.order);
       scheduler_->SetBlocked(key, TileScheduler::Block::kPaused, job.paused);
       JobQueue& queue = *scheduler_->Find(key);
       for (const auto& [tile_job, frame, tile] : quarantined_) {
