@@ -210,7 +210,8 @@ class Farm {
   absl::Status AwaitWorkers() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAdoption() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteWorker(const std::string& uuid) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Revoke(const std::vector<EndedLease>& ended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Revoke(const std::vector<EndedLease>& ended, const std::vector<DroppedTile>& dropped = {})
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The worker's UUID for a log, "gone" where it is not registered any more.
   std::string WorkerName(WorkerId worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropWorker(WorkerId worker, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

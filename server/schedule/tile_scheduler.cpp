@@ -285,7 +285,12 @@ bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, 
     if (owner == lease_owner_.end()) continue;
     const WorkerId worker = owner->second;
     Settle(key, frame, tile, holder, worker == id ? seconds : 0);
-    if (worker != id && !lease_owner_.contains(holder)) revoked_.push_back({holder, worker});
+    if (worker == id) continue;
+    if (lease_owner_.contains(holder)) {
+      dropped_.push_back({holder, worker, tile});
+    } else {
+      revoked_.push_back({holder, worker});
+    }
   }
   if (seconds > 0) {
     job->second.times.Add(seconds);
@@ -299,6 +304,11 @@ bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, 
     }
   }
   return true;
+}
+
+std::vector<DroppedTile> TileScheduler::TakeDropped() {
+  std::erase_if(dropped_, [this](const DroppedTile& tile) { return !lease_owner_.contains(tile.lease); });
+  return std::exchange(dropped_, {});
 }
 
 TileScheduler::Expired TileScheduler::Expire() {

@@ -103,6 +103,9 @@ class TileScheduler {
   /// Leases that are over because others rendered their tiles, since the last call: workers should hear of
   /// it.
   std::vector<EndedLease> TakeRevoked() { return std::exchange(revoked_, {}); }
+  /// Tiles that others than their leases' workers have delivered since the last call, of leases that are not
+  /// over: workers should hear of those, too.
+  std::vector<DroppedTile> TakeDropped();
 
   struct Expired {
     std::vector<EndedLease> leases;
@@ -176,6 +179,7 @@ class TileScheduler {
   FairShare shares_;
   absl::flat_hash_map<LeaseId, WorkerId> lease_owner_;
   std::vector<EndedLease> revoked_;
+  std::vector<DroppedTile> dropped_;
   int64_t slots_ = 0;  ///< Of all workers that are not lost.
   LeaseId next_lease_ = 1;
 };
