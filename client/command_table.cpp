@@ -20,6 +20,7 @@ const std::vector<CommandEntry>& CommandTable() {
       {"resume", "On a farm", "Let a paused job go on", MakeResumeCommand},
       {"retry", "On a farm", "Render again what a job lacks", MakeRetryCommand},
       {"priority", "On a farm", "Serve a job before or after others", MakePriorityCommand},
+      {"remove", "On a farm", "Forget a job that has ended, and its frames", MakeRemoveCommand},
       {"trace", "On a farm", "Write which worker rendered which tile when", MakeTraceCommand},
       {"workers", "On a farm", "List the workers that are connected", MakeWorkersCommand},
   };

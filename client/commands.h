@@ -21,6 +21,7 @@ std::unique_ptr<Command> MakePauseCommand();
 std::unique_ptr<Command> MakeResumeCommand();
 std::unique_ptr<Command> MakeRetryCommand();
 std::unique_ptr<Command> MakePriorityCommand();
+std::unique_ptr<Command> MakeRemoveCommand();
 std::unique_ptr<Command> MakeWorkersCommand();
 std::unique_ptr<Command> MakeInfoCommand();
 std::unique_ptr<Command> MakeCompareCommand();

@@ -28,11 +28,12 @@ std::optional<FramePreview::Size> PreviewSize() {
   return FramePreview::Size{std::min(kMaxColumns, int(window.ws_col) - 1), int(window.ws_row) - kLinesLeft};
 }
 
-FramePreview::FramePreview(Connection& connection, std::string job_id, const TileGrid& grid, Size size,
-                           std::function<void(std::vector<std::string>)> on_picture)
+FramePreview::FramePreview(Connection& connection, std::string job_id, const TileGrid& grid, bool coarse,
+                           Size size, std::function<void(std::vector<std::string>)> on_picture)
     : connection_(connection),
       job_id_(std::move(job_id)),
       grid_(grid),
+      coarse_(coarse),
       size_(size),
       on_picture_(std::move(on_picture)),
       thread_([this] { Work(); }) {}
@@ -77,7 +78,7 @@ void FramePreview::Work() {
 }
 
 bool FramePreview::Read(int frame) {
-  TerminalPicture picture(grid_, size_.columns, size_.rows);
+  TerminalPicture picture(grid_, size_.columns, size_.rows, coarse_);
   grpc::ClientContext context;
   Interrupt::Guard guard(connection_.options().interrupt, [&context] { context.TryCancel(); });
   {

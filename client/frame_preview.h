@@ -25,7 +25,8 @@ class FramePreview {
   };
   /// `on_picture` is called from the preview's thread with each new picture, at most ten a second. Everything
   /// outlives the preview.
-  FramePreview(Connection& connection, std::string job_id, const TileGrid& grid, Size size,
+  /// `coarse`: what stands alone stands for its neighbourhood, as TerminalPicture has it.
+  FramePreview(Connection& connection, std::string job_id, const TileGrid& grid, bool coarse, Size size,
                std::function<void(std::vector<std::string>)> on_picture);
   ~FramePreview();
   FramePreview(const FramePreview&) = delete;
@@ -45,6 +46,7 @@ class FramePreview {
   Connection& connection_;
   const std::string job_id_;
   const TileGrid grid_;
+  const bool coarse_;
   const Size size_;
   const std::function<void(std::vector<std::string>)> on_picture_;
 

@@ -20,6 +20,7 @@ absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& o
   spec.frames = options.frames;
   spec.render = options.settings;
   spec.output = options.output_settings;
+  spec.order = options.order;
   // What the coordinator would refuse is refused before its files travel.
   JobLimits limits;
   limits.max_frames = capabilities.max_frames();
@@ -49,6 +50,10 @@ absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& o
                                             return connection.jobs().Submit(context, request, reply);
                                           },
                                           kSubmitDeadline));
+  if (options.order != TileOrder::kHilbert && submission.job.spec().order() != request.spec().order()) {
+    progress.Note(absl::StrCat("the server knows no --order ", ToString(options.order),
+                               ": tiles come as they always did"));
+  }
   return submission;
 }
 

@@ -61,6 +61,20 @@ Json QuarantinedJson(const v1::Job& job) {
 
 }  // namespace
 
+std::string WordOf(v1::TileOrder order) {
+  switch (order) {
+    case v1::TILE_ORDER_UNSPECIFIED:
+    case v1::TILE_ORDER_HILBERT:
+      return "hilbert";
+    case v1::TILE_ORDER_CENTER:
+      return "center";
+    case v1::TILE_ORDER_COARSE:
+      return "coarse";
+    default:
+      return "unknown";
+  }
+}
+
 std::string TimeText(const google::protobuf::Timestamp& time) {
   if (time.seconds() == 0 && time.nanos() == 0) return "";
   return absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::FromUnixSeconds(time.seconds()), absl::UTCTimeZone());
@@ -94,6 +108,7 @@ Json ToJson(const v1::Job& job) {
         {"first", spec.frames().first()}, {"last", spec.frames().last()}, {"step", spec.frames().step()}};
     json["width"] = spec.render().width();
     json["height"] = spec.render().height();
+    json["order"] = WordOf(spec.order());
   }
   return json;
 }

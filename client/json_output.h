@@ -25,6 +25,9 @@ Json ToJson(const UploadReport& upload);
 /// that are not UTF-8 (as in file names) become U+FFFD.
 void Print(const Json& json, std::ostream& out, bool one_line = false);
 
+/// "hilbert", "center" or "coarse".
+std::string WordOf(v1::TileOrder order);
+
 /// "2026-01-31T12:00:00Z"; empty where the message holds no time.
 std::string TimeText(const google::protobuf::Timestamp& time);
 

@@ -20,6 +20,7 @@ struct JobOptions {
   FrameRange frames{1, 1, 1};
   RenderSettings settings;
   OutputSettings output_settings;
+  TileOrder order = TileOrder::kHilbert;
   std::optional<OutputPath> output;
   bool png = false;  ///< Also write an 8-bit sRGB preview beside each EXR.
 

@@ -96,6 +96,7 @@ class StatusCommand : public Command {
     PrintRow(out, "frames", absl::StrCat(job.frames_finished(), " of ", job.frames_total(), " finished"));
     PrintRow(out, "tiles", absl::StrCat(job.tiles_done(), " of ", job.tiles_total(), " done"));
     PrintRow(out, "size", absl::StrCat(spec.render().width(), "x", spec.render().height()));
+    if (spec.order() > v1::TILE_ORDER_HILBERT) PrintRow(out, "order", WordOf(spec.order()));
     PrintRow(out, "submitted", TimeText(job.submitted()));
     PrintRow(out, "ended", TimeText(job.ended()));
     PrintRow(out, "workers", HasEnded(job.state()) ? "" : absl::StrCat(job.workers(), " connected"));

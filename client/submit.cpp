@@ -123,7 +123,17 @@ class SubmitCommand : public Command {
                              }
                              return absl::OkStatus();
                            });
-    for (CLI::Option* option : {priority, user, after}) option->group("Farm");
+    auto* order =
+        AddValue(app, "--order", "hilbert|center|coarse", "hilbert",
+                 "Which tiles of a frame come first: neighbours after one another,\nwhich is fastest; from "
+                 "the middle outwards; or all over the\nframe at once. For watching: pictures are the same",
+                 [this](const std::string& text) {
+                   const std::optional<TileOrder> parsed = ParseTileOrder(text);
+                   if (!parsed) return absl::InvalidArgumentError("must be hilbert, center or coarse");
+                   options_.order = *parsed;
+                   return absl::OkStatus();
+                 });
+    for (CLI::Option* option : {priority, user, after, order}) option->group("Farm");
   }
 
   JobOptions options_;

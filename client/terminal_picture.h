@@ -10,12 +10,14 @@
 namespace shutterline::client {
 
 /// A frame as it fills, in a terminal of true colour: each character is two cells, one above the other. Tiles
-/// that are not there are a dim chequer. Not thread-safe.
+/// that are not there are a dim chequer, or, where the picture is to be `coarse`, have the mean colour of the
+/// nearest tile that is there, if one is within four columns and rows: frames that are rendered coarse to
+/// fine are seen as a whole early, and sharpen. Not thread-safe.
 class TerminalPicture {
  public:
   /// `grid` has at least one tile; it is shown as large as `columns` × `rows` characters allow, each at
   /// least 1.
-  TerminalPicture(const TileGrid& grid, int columns, int rows);
+  TerminalPicture(const TileGrid& grid, int columns, int rows, bool coarse = false);
 
   int columns() const { return columns_; }
   int rows() const { return cells_high_ / 2; }
@@ -35,11 +37,16 @@ class TerminalPicture {
     friend bool operator==(const Colour&, const Colour&) = default;
   };
   Colour CellColour(int x, int y) const;
+  /// What stands in for a tile that is not there: the nearest one that is, of several the first; -1: none is
+  /// near.
+  int StandIn(int tile) const;
 
   const TileGrid grid_;
+  const bool coarse_;
   int columns_ = 1, cells_high_ = 2;
   int side_ = 1;
   std::vector<std::vector<float>> tiles_;  ///< By tile; empty: not there.
+  std::vector<Colour> means_;              ///< By tile, of those that are there.
 };
 
 }  // namespace shutterline::client

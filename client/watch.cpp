@@ -78,7 +78,8 @@ class WatchCommand : public Command {
                         }));
     const TileGrid grid{job.spec().render().width(), job.spec().render().height()};
     if (grid.width < 1 || grid.height < 1) return nullptr;
-    return std::make_unique<FramePreview>(connection, job_, grid, *size, std::move(on_picture));
+    const bool coarse = job.spec().order() == v1::TILE_ORDER_COARSE;
+    return std::make_unique<FramePreview>(connection, job_, grid, coarse, *size, std::move(on_picture));
   }
 
   static void PrintEvent(const v1::JobEvent& event, std::ostream& out) {

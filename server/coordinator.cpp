@@ -173,6 +173,7 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
     return cameras_.At(spec, assets, frame);
   };
+  parts.remove_log = [this](const std::string& job_id) { return logs_->Remove(job_id, config_.durability); };
   parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {
     return engine::ReadMatteNames(BlobSceneSource(spec.scene, assets));
   };

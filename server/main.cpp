@@ -25,6 +25,7 @@ struct Options {
   double lease_ttl_seconds = absl::ToDoubleSeconds(config.lease_ttl);
   double scene_seconds = 120;
   double heartbeat_seconds = absl::ToDoubleSeconds(config.heartbeat_interval);
+  double keep_jobs_seconds = 0;  ///< 0: for ever.
 };
 
 void Declare(CLI::App& app, Options& options) {
@@ -87,6 +88,19 @@ void Declare(CLI::App& app, Options& options) {
          "go, least recently used first; 0: no limit")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("0");
+  app.add_option("--keep-jobs", options.keep_jobs_seconds,
+                 "How long jobs that have ended are kept, as 12h, 30d or 90m; then they are removed, with "
+                 "their frames "
+                 "and logs. For ever unless given")
+      ->transform(
+          CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}},
+                                CLI::AsNumberWithUnit::UNIT_REQUIRED, "DURATION"))
+      ->check(CLI::Range(1.0, 1e10));
+  app.add_option(
+         "--keep-jobs-max", options.config.keep_jobs_max,
+         "How many jobs that have ended are kept at most; beyond it those go that ended first; 0: no limit")
+      ->check(CLI::Range(int64_t{0}, int64_t{1'000'000'000}))
+      ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
   app.set_version_flag("--version", shutterline::kBuildId);
@@ -149,6 +163,7 @@ int main(int argc, char** argv) {
   options.config.lease_ttl = absl::Seconds(options.lease_ttl_seconds);
   if (options.scene_seconds > 0) options.config.scene_time = absl::Seconds(options.scene_seconds);
   options.config.heartbeat_interval = absl::Seconds(options.heartbeat_seconds);
+  if (options.keep_jobs_seconds > 0) options.config.keep_jobs = absl::Seconds(options.keep_jobs_seconds);
   if (options.config.listen.empty()) {
     std::fprintf(stderr, "shutterline-server: --listen is empty, but must be HOST:PORT\n");
     return 2;

@@ -10,6 +10,7 @@
 
 #include "common/asset/digest.h"
 #include "common/job/render_settings.h"
+#include "common/job/tile_order.h"
 
 namespace shutterline {
 
@@ -51,6 +52,7 @@ struct JobSpec {
   FrameRange frames;
   RenderSettings render;
   OutputSettings output;
+  TileOrder order = TileOrder::kHilbert;
 
   friend bool operator==(const JobSpec&, const JobSpec&) = default;
 };

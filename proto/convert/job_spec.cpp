@@ -62,6 +62,10 @@ constexpr Pairs<ExrCompression, v1::Compression, 4> kCompressions{
      {ExrCompression::kPiz, v1::COMPRESSION_PIZ},
      {ExrCompression::kDwaa, v1::COMPRESSION_DWAA}}};
 
+constexpr Pairs<TileOrder, v1::TileOrder, 3> kTileOrders{{{TileOrder::kHilbert, v1::TILE_ORDER_HILBERT},
+                                                          {TileOrder::kCenter, v1::TILE_ORDER_CENTER},
+                                                          {TileOrder::kCoarse, v1::TILE_ORDER_COARSE}}};
+
 template <typename Ours, typename Theirs, size_t N>
 Theirs Out(const Pairs<Ours, Theirs, N>& pairs, Ours value) {
   for (const auto& [ours, theirs] : pairs) {
@@ -200,6 +204,7 @@ v1::JobSpec ToProto(const JobSpec& spec) {
   m.mutable_frames()->set_step(spec.frames.step);
   *m.mutable_render() = ToProto(spec.render);
   *m.mutable_output() = ToProto(spec.output);
+  m.set_order(Out(kTileOrders, spec.order));
   return m;
 }
 
@@ -290,6 +295,9 @@ absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& m, const JobLimits& limits)
   spec.frames = {m.frames().first(), m.frames().last(), m.frames().step()};
   SL_ASSIGN_OR_RETURN(spec.render, FromProto(m.render(), "render"));
   SL_ASSIGN_OR_RETURN(spec.output, FromProto(m.output(), "output"));
+  if (m.order() != v1::TILE_ORDER_UNSPECIFIED) {
+    SL_ASSIGN_OR_RETURN(spec.order, In(kTileOrders, m.order(), "", "order"));
+  }
   SL_RETURN_IF_ERROR(Validate(spec, limits));
   return spec;
 }

@@ -79,6 +79,10 @@ grpc::ServerUnaryReactor* JobService::Control(grpc::CallbackServerContext* conte
                                               const v1::ControlRequest* request, v1::Job* response) {
   return AnswerFrom(parts_.pool, context, [this, request, response]() -> absl::Status {
     SL_ASSIGN_OR_RETURN(const JobSnapshot job, DoControl(*request));
+    if (request->action() == v1::ControlRequest::ACTION_REMOVE) {
+      *response = ToMessage(job, SpecDetail::kFull);  // There is no more to be known of it.
+      return absl::OkStatus();
+    }
     return FillWhole(job, *response);
   });
 }
@@ -93,6 +97,8 @@ absl::StatusOr<JobSnapshot> JobService::DoControl(const v1::ControlRequest& requ
       return parts_.farm.SetPaused(request.job_id(), false);
     case v1::ControlRequest::ACTION_RETRY:
       return parts_.farm.Retry(request.job_id());
+    case v1::ControlRequest::ACTION_REMOVE:
+      return parts_.farm.Remove(request.job_id());
     case v1::ControlRequest::ACTION_SET_PRIORITY:
       return parts_.farm.SetPriority(request.job_id(), request.priority());
     default:

@@ -63,7 +63,13 @@ struct EventWriter {
     grant.set_adopts(event.adopts);
   }
   void operator()(const LeasesRevoked& event) const {
-    message.mutable_revoke()->mutable_lease_ids()->Add(event.leases.begin(), event.leases.end());
+    v1::Revoke& revoke = *message.mutable_revoke();
+    revoke.mutable_lease_ids()->Add(event.leases.begin(), event.leases.end());
+    for (const auto& [lease, tiles] : event.tiles) {
+      v1::RevokedTiles& revoked = *revoke.add_tiles();
+      revoked.set_lease_id(lease);
+      revoked.mutable_tiles()->Add(tiles.begin(), tiles.end());
+    }
   }
   void operator()(const JobForgotten& event) const { message.mutable_forget_job()->set_job_id(event.job_id); }
   void operator()(const DrainAsked&) const { message.mutable_drain(); }

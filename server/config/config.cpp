@@ -57,6 +57,9 @@ absl::Status Validate(const Config& c) {
   if (c.max_tile_failures < 1) return refuse("max_tile_failures", "must be at least 1");
   if (c.max_tile_deaths < 1) return refuse("max_tile_deaths", "must be at least 1");
   if (c.max_message_bytes < 1 << 20) return refuse("max_message_bytes", "must be at least 1 MiB");
+  if (c.keep_jobs < absl::ZeroDuration()) return refuse("keep_jobs", "must not be negative");
+  if (c.keep_jobs_max < 0) return refuse("keep_jobs_max", "must not be negative");
+  if (c.removal_interval <= absl::ZeroDuration()) return refuse("removal_interval", "must be above 0");
   const StreamConfig& s = c.streams;
   if (s.first_message <= absl::ZeroDuration()) return refuse("streams.first_message", "must be above 0");
   if (s.upload_stall <= absl::ZeroDuration()) return refuse("streams.upload_stall", "must be above 0");

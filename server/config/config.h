@@ -50,6 +50,12 @@ struct Config {
   /// used first.
   uint64_t blob_limit_bytes = 0;
 
+  /// How long jobs are kept that have ended, by the wall clock, with their frames, logs and tiles; by default
+  /// for ever.
+  absl::Duration keep_jobs = absl::InfiniteDuration();
+  int64_t keep_jobs_max = 0;                            ///< How many of them, the latest ones; 0: any number.
+  absl::Duration removal_interval = absl::Seconds(10);  ///< How often they are looked at.
+
   JobLimits job_limits;
   uint64_t max_blob_bytes = uint64_t{2} << 30;
   int max_message_bytes = 16 << 20;  ///< Of one received message.

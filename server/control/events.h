@@ -35,6 +35,7 @@ struct LeaseGranted {
 };
 struct LeasesRevoked {
   std::vector<LeaseId> leases;
+  std::map<LeaseId, std::vector<uint32_t>> tiles;  ///< Of leases that go on without them.
 };
 struct JobForgotten {
   std::string job_id;

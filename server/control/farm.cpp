@@ -1,5 +1,6 @@
 #include "server/control/farm.h"
 
+#include <absl/cleanup/cleanup.h>
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
@@ -142,8 +143,14 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
   FinishedFrame finished;
   finished.frame = number;
   std::set<uint32_t> missing;
+  const absl::Cleanup written = [this, job]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    absl::MutexLock lock(&mutex_);
+    const auto count = writing_.find(job->key());
+    if (count != writing_.end() && --count->second == 0) writing_.erase(count);
+  };
   {
     absl::MutexLock lock(&mutex_);
+    ++writing_[job->key()];
     if (job->ending) return;
     finished.stats = job->Frame(index).stats;  // All its tiles have come.
     missing = job->Missing(index);

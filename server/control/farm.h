@@ -1,6 +1,7 @@
 #pragma once
 
 #include <absl/base/thread_annotations.h>
+#include <absl/container/flat_hash_set.h>
 #include <absl/status/statusor.h>
 #include <absl/strings/string_view.h>
 #include <absl/synchronization/mutex.h>
@@ -56,6 +57,8 @@ class Farm {
     std::function<absl::StatusOr<MatteNames>(const JobSpec&, AssetStore&)> matte_names;
     /// Where the camera of a job's frame is; likewise.
     std::function<absl::StatusOr<CameraMatrices>(const JobSpec&, AssetStore&, int frame)> camera;
+    /// Removes what is logged of a job, without locks; null: nothing is.
+    std::function<absl::Status(const std::string& job_id)> remove_log;
   };
   explicit Farm(Parts parts);
   ~Farm();
@@ -104,6 +107,9 @@ class Farm {
   absl::StatusOr<JobSnapshot> SetPriority(const std::string& job_id, int priority);
   /// Tries again what is missing of a job that has not succeeded.
   absl::StatusOr<JobSnapshot> Retry(const std::string& job_id);
+  /// Forgets a job that has ended and that nobody waits for, and returns what it was (farm_removal.cpp). Its
+  /// files follow soon, after a crash too.
+  absl::StatusOr<JobSnapshot> Remove(const std::string& job_id);
 
   // --- Workers (farm_workers.cpp). None uses the disk. --------------------------------------------------
   uint64_t epoch() const { return parts_.epoch; }
@@ -172,6 +178,22 @@ class Farm {
   /// Both of these, then writes what can be written.
   absl::Status ResumeJob(const JobRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(control_mutex_);
   void ForgetOldJobs() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// NOT_FOUND, with what is remembered of the job.
+  absl::Status NoSuchJob(const std::string& job_id);
+  /// How a job stands, or had ended before it was removed.
+  absl::StatusOr<JobState> StoredState(const std::string& job_id);
+
+  // farm_removal.cpp
+  /// A job that has not ended and waits for this one; empty: none.
+  std::string WhoWaitsFor(const std::string& job_id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status RemoveLocked(JobKey key, const std::string& job_id)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(control_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Removes what has been kept for long enough, and looks again after a while.
+  void RemoveOldJobs() ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
+  absl::Status RemoveDueJobs() ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
+  /// The files of a job that is removed; `failures`: how often it has been tried in vain.
+  void RemoveFilesSoon(JobKey key, const std::string& job_id, int failures);
+  void RemoveFiles(JobKey key, const std::string& job_id, int failures) ABSL_LOCKS_EXCLUDED(mutex_);
   void Notify(LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   /// Ends a job: durable, then visible. Not under the mutex.
@@ -216,7 +238,8 @@ class Farm {
   /// Adds what a supervisor has seen to what is known of a worker's death.
   void Testify(const WorkerHello& hello, const WorkerExit& exit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void StoreEvidence(const JobPtr& job, int index, uint32_t tile) ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
-  void Revoke(const std::vector<EndedLease>& ended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Revoke(const std::vector<EndedLease>& ended, const std::vector<DroppedTile>& dropped = {})
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The worker's UUID for a log, "gone" where it is not registered any more.
   std::string WorkerName(WorkerId worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropWorker(WorkerId worker, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -236,6 +259,9 @@ class Farm {
   std::map<std::string, JobPtr> jobs_ ABSL_GUARDED_BY(mutex_);
   std::map<JobKey, JobPtr> by_key_ ABSL_GUARDED_BY(mutex_);
   std::deque<std::string> ended_ ABSL_GUARDED_BY(mutex_);  ///< In memory, longest ended first.
+  /// Removed since the start: what was read of them before must not come back into memory.
+  absl::flat_hash_set<JobKey> removed_ ABSL_GUARDED_BY(mutex_);
+  std::map<JobKey, int> writing_ ABSL_GUARDED_BY(mutex_);  ///< Frames of a job that are being written.
   std::map<WorkerId, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   std::set<WorkerId> wanting_ ABSL_GUARDED_BY(mutex_);     ///< Attached workers with credit.
   std::set<std::string> awaited_ ABSL_GUARDED_BY(mutex_);  ///< Workers that may come back with leases.

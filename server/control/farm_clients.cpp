@@ -15,8 +15,10 @@ namespace {
 
 constexpr size_t kMaxRequestIdBytes = 128;
 
-absl::Status NoSuchJob(absl::string_view id) {
-  return absl::NotFoundError(absl::StrCat("there is no job '", absl::CHexEscape(id.substr(0, 80)), "'"));
+absl::Status WasRemoved(const RemovedJob& job) {
+  return absl::NotFoundError(
+      absl::StrCat("job ", job.id, " was removed at ",
+                   absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", job.removed, absl::UTCTimeZone())));
 }
 
 bool SameBody(const JobRecord& job, const JobSpec& spec, const JobWishes& wishes) {
@@ -31,6 +33,24 @@ absl::Status OtherBody(const JobRecord& job) {
 
 }  // namespace
 
+absl::Status Farm::NoSuchJob(const std::string& job_id) {
+  if (IsUuid(job_id)) {
+    const absl::StatusOr<RemovedJob> removed = parts_.store->FindRemoved(job_id);
+    if (removed.ok()) return WasRemoved(*removed);
+    if (!absl::IsNotFound(removed.status())) return removed.status();
+  }
+  return absl::NotFoundError(
+      absl::StrCat("there is no job '", absl::CHexEscape(absl::string_view(job_id).substr(0, 80)), "'"));
+}
+
+absl::StatusOr<JobState> Farm::StoredState(const std::string& job_id) {
+  const absl::StatusOr<JobRecord> job = parts_.store->Get(job_id);
+  if (job.ok()) return job->state;
+  if (!absl::IsNotFound(job.status())) return job.status();
+  SL_ASSIGN_OR_RETURN(const RemovedJob removed, parts_.store->FindRemoved(job_id));
+  return removed.state;
+}
+
 Farm::JobPtr Farm::FindLive(const std::string& job_id) {
   const auto found = jobs_.find(job_id);
   return found == jobs_.end() ? nullptr : found->second;
@@ -42,6 +62,9 @@ absl::StatusOr<Farm::JobPtr> Farm::Load(const JobRecord& record) {
                       parts_.store->QuarantinedTiles(record.key));
   absl::MutexLock lock(&mutex_);
   if (JobPtr job = FindLive(record.id)) return job;
+  if (removed_.contains(record.key)) {
+    return absl::NotFoundError(absl::StrCat("job ", record.id, " has just been removed"));
+  }
   // Its end was stored between two looks into memory, or it was forgotten; it cannot be unfinished, for those
   // are always in memory, but for a moment in Submit.
   if (!HasEnded(record.state))
@@ -142,6 +165,10 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
     return Get(before->id);
   }
   if (!absl::IsNotFound(before.status())) return before.status();
+  // A request that is repeated late does not bring back what it made.
+  const absl::StatusOr<RemovedJob> removed = parts_.store->FindRemovedRequest(request_id);
+  if (removed.ok()) return Annotate(WasRemoved(*removed), "request_id has been used");
+  if (!absl::IsNotFound(removed.status())) return removed.status();
 
   SL_RETURN_IF_ERROR(CheckWishes(wishes));
   std::shared_ptr<const BlobPins> blobs = PinBlobs(spec);  // First: what is seen stays.
@@ -184,7 +211,8 @@ absl::StatusOr<std::vector<JobSnapshot>> Farm::List(uint64_t before, int limit) 
   std::vector<JobSnapshot> jobs;
   for (const JobRecord& record : records) {
     const absl::StatusOr<JobPtr> job = Load(record);
-    if (absl::IsUnavailable(job.status())) continue;  // Its Submit has not returned yet.
+    // Its Submit has not returned yet, or it has been removed since.
+    if (absl::IsUnavailable(job.status()) || absl::IsNotFound(job.status())) continue;
     SL_RETURN_IF_ERROR(job.status());
     absl::MutexLock lock(&mutex_);
     jobs.push_back(Snapshot(**job));
@@ -223,6 +251,9 @@ absl::Status Farm::AddWatcher(const std::string& job_id, JobWatcher* watcher) {
   SL_ASSIGN_OR_RETURN(const JobPtr job, Find(job_id));
   absl::MutexLock lock(&mutex_);
   // It may have been forgotten since, or taken up again.
+  if (removed_.contains(job->key())) {
+    return absl::NotFoundError(absl::StrCat("job ", job_id, " has just been removed"));
+  }
   JobPtr& live = jobs_[job->id()];
   if (live == nullptr) live = by_key_[job->key()] = job;
   live->watchers.insert(watcher);

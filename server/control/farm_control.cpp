@@ -103,7 +103,7 @@ void Farm::Schedule(LiveJob& job, const std::vector<std::string>& waits_for) {
   const TileGrid grid = job.grid();
   const JobSnapshot& snapshot = job.snapshot();
   scheduler_.AddJob(job.key(), job.frame_count(), grid.Columns(), grid.Rows(), snapshot.wishes.priority,
-                    snapshot.wishes.user);
+                    snapshot.wishes.user, job.spec()->order);
   scheduler_.SetBlocked(job.key(), TileScheduler::Block::kPaused, snapshot.paused);
   scheduler_.SetBlocked(job.key(), TileScheduler::Block::kDependencies, !waits_for.empty());
   for (const std::string& id : waits_for) job.WaitFor(id, NextSeq());

@@ -92,7 +92,7 @@ void Farm::Apply(const std::vector<Result>& results) {
     }
     const std::vector<EndedLease> late = scheduler_.TakeRevoked();
     observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(late.size()));
-    Revoke(late);
+    Revoke(late, scheduler_.TakeDropped());
     Pump();
   }
   Quarantine(quarantined);

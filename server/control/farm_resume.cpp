@@ -22,6 +22,12 @@ absl::Status Farm::Resume() {
     absl::MutexLock lock(&mutex_);
     if (!by_key_.contains(frame.first) && !partial.contains(frame.first)) parts_.journal->DropFrame(frame);
   }
+  // What the last coordinator had begun to remove.
+  SL_ASSIGN_OR_RETURN(const std::vector<RemovedJob> half, parts_.store->HalfRemoved());
+  for (const RemovedJob& job : half) RemoveFilesSoon(job.key, job.id, 0);
+  if (parts_.config.keep_jobs != absl::InfiniteDuration() || parts_.config.keep_jobs_max > 0) {
+    parts_.frames_pool->Run([this] { RemoveOldJobs(); });
+  }
   return AwaitWorkers();
 }
 
@@ -52,8 +58,8 @@ absl::StatusOr<Farm::StoredProgress> Farm::ReadProgress(const JobRecord& record)
     SL_RETURN_IF_ERROR(parts_.store->RemoveFinishedFrame(record.key, frame.frame));
   }
   for (const std::string& id : record.wishes.after) {
-    SL_ASSIGN_OR_RETURN(const JobRecord before, parts_.store->Get(id));
-    if (before.state != JobState::kSucceeded) progress.waits_for.push_back(id);
+    SL_ASSIGN_OR_RETURN(const JobState before, StoredState(id));
+    if (before != JobState::kSucceeded) progress.waits_for.push_back(id);
   }
   return progress;
 }

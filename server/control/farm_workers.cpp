@@ -242,13 +242,14 @@ void Farm::Pump() {
   }
 }
 
-void Farm::Revoke(const std::vector<EndedLease>& ended) {
-  std::map<WorkerId, std::vector<LeaseId>> by_worker;
-  for (const EndedLease& lease : ended) by_worker[lease.worker].push_back(lease.id);
-  for (auto& [worker, leases] : by_worker) {
+void Farm::Revoke(const std::vector<EndedLease>& ended, const std::vector<DroppedTile>& dropped) {
+  std::map<WorkerId, LeasesRevoked> by_worker;
+  for (const EndedLease& lease : ended) by_worker[lease.worker].leases.push_back(lease.id);
+  for (const DroppedTile& tile : dropped) by_worker[tile.worker].tiles[tile.lease].push_back(tile.tile);
+  for (auto& [worker, revoked] : by_worker) {
     const auto session = sessions_.find(worker);
     if (session != sessions_.end() && session->second.sink != nullptr) {
-      session->second.sink->Send(LeasesRevoked{std::move(leases)});
+      session->second.sink->Send(std::move(revoked));
     }
   }
 }

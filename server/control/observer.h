@@ -70,6 +70,7 @@ class FarmObserver {
 
   virtual void OnJobAccepted(absl::string_view /*job_id*/) {}
   virtual void OnJobEnded(absl::string_view /*job_id*/, JobState) {}
+  virtual void OnJobRemoved(absl::string_view /*job_id*/) {}
 };
 
 }  // namespace shutterline::server

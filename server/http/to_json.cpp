@@ -61,6 +61,7 @@ Json ToJson(const JobSnapshot& job) {
           {"step", spec.frames.step},
           {"width", spec.render.width},
           {"height", spec.render.height},
+          {"order", std::string(ToString(spec.order))},
           {"workers", job.workers}};
 }
 

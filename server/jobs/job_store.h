@@ -50,6 +50,21 @@ struct JobRecord {
   absl::Time ended = absl::InfinitePast();  ///< InfinitePast: it has not.
 };
 
+/// A job that has ended, by when.
+struct EndedJob {
+  uint64_t key = 0;
+  std::string id;
+  absl::Time ended = absl::InfinitePast();
+};
+
+/// What is remembered of a job that was removed.
+struct RemovedJob {
+  uint64_t key = 0;
+  std::string id;
+  JobState state = JobState::kQueued;  ///< How it had ended.
+  absl::Time removed;
+};
+
 /// The EXR of a finished frame.
 struct FinishedFrame {
   int frame = 0;  ///< The frame's number.
@@ -98,6 +113,21 @@ class JobStore {
   /// The job is to be tried again: it is unfinished, none of its tiles is quarantined, and frames that lacked
   /// tiles are not finished.
   virtual absl::Status Retry(uint64_t key) = 0;
+
+  /// Up to `limit` jobs that have ended, longest ended first, from the one behind `after` on; by default all.
+  virtual absl::StatusOr<std::vector<EndedJob>> Ended(const EndedJob& after, int limit) = 0;
+  virtual absl::StatusOr<int64_t> CountEnded() = 0;
+  /// Removes a job that has ended, with all that is stored of it, and remembers that it is to be followed by
+  /// its files (HalfRemoved). NOT_FOUND where it is not there or has not ended.
+  virtual absl::Status Remove(uint64_t key, absl::Time now) = 0;
+  /// The files of a removed job are gone.
+  virtual absl::Status FilesRemoved(const std::string& id) = 0;
+  /// Jobs that were removed and whose files may still be there.
+  virtual absl::StatusOr<std::vector<RemovedJob>> HalfRemoved() = 0;
+  /// What is remembered of it. NOT_FOUND where no such job was removed.
+  virtual absl::StatusOr<RemovedJob> FindRemoved(absl::string_view id) = 0;
+  /// The same of the job that had this request id.
+  virtual absl::StatusOr<RemovedJob> FindRemovedRequest(absl::string_view request_id) = 0;
 
   /// Notes workers (UUIDs) that are connected from now on (true), or not any more.
   virtual absl::Status NoteWorkers(const std::map<std::string, bool>& connected) = 0;

@@ -68,6 +68,19 @@ inline constexpr const char* kMigrations[] = {
       ALTER TABLE tile_troubles ADD COLUMN signal TEXT NOT NULL DEFAULT '';    -- As "SIGSEGV"; '': none is known.
       ALTER TABLE tile_troubles ADD COLUMN log_tail TEXT NOT NULL DEFAULT '';  -- Of the process that it ended.
     )sql",
+    R"sql(
+      CREATE INDEX jobs_ended ON jobs (ended_us, key) WHERE ended_us IS NOT NULL;
+
+      CREATE TABLE removed_jobs (                        -- What is remembered of them: about 100 bytes each.
+        id         TEXT PRIMARY KEY,
+        request_id TEXT NOT NULL UNIQUE,
+        key        INTEGER NOT NULL,
+        state      INTEGER NOT NULL,                     -- As JobState: how it had ended.
+        removed_us INTEGER NOT NULL,                     -- Microseconds since 1970, UTC.
+        files_left INTEGER NOT NULL                      -- 1: its files may still be there.
+      ) STRICT, WITHOUT ROWID;
+      CREATE INDEX removed_jobs_files_left ON removed_jobs (key) WHERE files_left = 1;
+    )sql",
 };
 
 }  // namespace shutterline::server

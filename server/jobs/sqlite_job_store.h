@@ -35,6 +35,13 @@ class SqliteJobStore final : public JobStore {
   absl::Status SetPaused(uint64_t key, bool paused) override;
   absl::Status SetPriority(uint64_t key, int priority) override;
   absl::Status Retry(uint64_t key) override;
+  absl::StatusOr<std::vector<EndedJob>> Ended(const EndedJob& after, int limit) override;
+  absl::StatusOr<int64_t> CountEnded() override;
+  absl::Status Remove(uint64_t key, absl::Time now) override;
+  absl::Status FilesRemoved(const std::string& id) override;
+  absl::StatusOr<std::vector<RemovedJob>> HalfRemoved() override;
+  absl::StatusOr<RemovedJob> FindRemoved(absl::string_view id) override;
+  absl::StatusOr<RemovedJob> FindRemovedRequest(absl::string_view request_id) override;
   absl::Status NoteWorkers(const std::map<std::string, bool>& connected) override;
   absl::StatusOr<std::vector<std::string>> ConnectedWorkers() override;
   absl::Status Quarantine(uint64_t key, const QuarantinedTile& tile) override;
@@ -52,6 +59,8 @@ class SqliteJobStore final : public JobStore {
   absl::Status Transact(absl::FunctionRef<absl::Status()> work) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<JobRecord> FindOne(absl::string_view column, absl::string_view value)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::StatusOr<RemovedJob> FindOneRemoved(absl::string_view column, absl::string_view value)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   absl::Mutex mutex_;
   sqlite3* const database_ ABSL_PT_GUARDED_BY(mutex_);

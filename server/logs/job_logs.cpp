@@ -59,6 +59,14 @@ absl::StatusOr<std::string> JobLogs::Read(const std::string& job_id, uint64_t of
   return file->ReadAt(offset, count);
 }
 
+absl::Status JobLogs::Remove(const std::string& job_id, Durability durability) {
+  if (!IsUuid(job_id)) return absl::InvalidArgumentError("is no job's id");
+  absl::MutexLock lock(&mutex_);
+  open_.remove_if([&](const OpenLog& log) { return log.job_id == job_id; });
+  SL_RETURN_IF_ERROR(RemoveFile(Path(job_id)));
+  return SyncFolder(folder_, durability);
+}
+
 void JobLogs::OnLogLine(absl::string_view line, absl::string_view message) {
   const std::optional<absl::string_view> job = JobOf(message);
   if (!job) return;

@@ -34,6 +34,9 @@ class JobLogs final : private LogListener {
 
   /// Up to `count` bytes from `offset`; none where the log ends there, or the job has none.
   absl::StatusOr<std::string> Read(const std::string& job_id, uint64_t offset, size_t count) const;
+  /// Removes the job's log, as durably as is asked; OK also where there is none. What the log says of the job
+  /// from then on makes a new one.
+  absl::Status Remove(const std::string& job_id, Durability durability);
 
  private:
   struct OpenLog {

@@ -107,6 +107,8 @@ struct Metrics::Series {
   prometheus::Family<prometheus::Counter>& ended =
       Counters("shutterline_jobs_ended_total", "Jobs that ended, by how.");
   std::map<JobState, prometheus::Counter*> ended_by_state;
+  prometheus::Counter& removed =
+      Counter("shutterline_jobs_removed_total", "Jobs that had ended and were removed.");
   prometheus::Gauge& queued = Gauge("shutterline_queued_tiles", "Tiles that wait for a worker.");
   prometheus::Gauge& leased = Gauge("shutterline_leased_tiles", "Tiles that workers hold leases of.");
   prometheus::Gauge& remaining =
@@ -184,6 +186,10 @@ void Metrics::OnJobAccepted(absl::string_view) {
 void Metrics::OnJobEnded(absl::string_view, JobState state) {
   const auto found = series_->ended_by_state.find(state);
   if (found != series_->ended_by_state.end()) found->second->Increment();
+}
+
+void Metrics::OnJobRemoved(absl::string_view) {
+  series_->removed.Increment();
 }
 
 void Metrics::CountBlobBytes(uint64_t received, uint64_t sent) {

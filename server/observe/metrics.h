@@ -30,6 +30,7 @@ class Metrics final : public FarmObserver {
   void OnFrameWritten(const FrameWritten& seen) override;
   void OnJobAccepted(absl::string_view job_id) override;
   void OnJobEnded(absl::string_view job_id, JobState state) override;
+  void OnJobRemoved(absl::string_view job_id) override;
   void CountBlobBytes(uint64_t received, uint64_t sent);
 
   /// All metrics in Prometheus' text format, with the farm as it is now.

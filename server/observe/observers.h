@@ -33,6 +33,9 @@ class Observers final : public FarmObserver {
   void OnJobAccepted(absl::string_view job_id) override {
     for (FarmObserver* one : all_) one->OnJobAccepted(job_id);
   }
+  void OnJobRemoved(absl::string_view job_id) override {
+    for (FarmObserver* one : all_) one->OnJobRemoved(job_id);
+  }
   void OnJobEnded(absl::string_view job_id, JobState state) override {
     for (FarmObserver* one : all_) one->OnJobEnded(job_id, state);
   }

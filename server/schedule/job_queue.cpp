@@ -13,8 +13,8 @@ constexpr size_t kMaxEvidence = 16;
 
 }  // namespace
 
-JobQueue::JobQueue(int frames, int columns, int rows)
-    : order_(HilbertOrder(columns, rows)), frames_(size_t(frames)) {
+JobQueue::JobQueue(int frames, int columns, int rows, TileOrder order)
+    : order_(OrderTiles(order, columns, rows)), frames_(size_t(frames)) {
   queued_ = remaining_ = int64_t{frames} * int64_t(order_.size());
 }
 

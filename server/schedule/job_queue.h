@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/job/tile_order.h"
 #include "server/schedule/lease.h"
 #include "server/schedule/tile_trouble.h"
 
@@ -44,7 +45,7 @@ struct Holders {
 /// Not thread-safe.
 class JobQueue {
  public:
-  JobQueue(int frames, int columns, int rows);
+  JobQueue(int frames, int columns, int rows, TileOrder order = TileOrder::kHilbert);
 
   int64_t queued() const { return queued_; }
   int64_t remaining() const { return remaining_; }  ///< Queued and leased.
@@ -76,8 +77,8 @@ class JobQueue {
   /// refuses whatever is queued, or nothing is.
   std::optional<int> ChooseFrame(const std::deque<int>& held, WorkerId worker, Refuses refuses) const;
 
-  /// Takes up to `count` queued tiles of the frame for `lease`: first those that came back, then along the
-  /// Hilbert curve. A suspect tile comes alone. Never empty for a frame that ChooseFrame has named.
+  /// Takes up to `count` queued tiles of the frame for `lease`: first those that came back, then in the job's
+  /// order. A suspect tile comes alone. Never empty for a frame that ChooseFrame has named.
   std::vector<uint32_t> Take(int frame, int count, WorkerId worker, LeaseId lease, Refuses refuses);
   /// Takes those of `tiles` that are queued, suspect ones left out.
   std::vector<uint32_t> TakeThese(int frame, const std::vector<uint32_t>& tiles, WorkerId worker,

@@ -34,6 +34,13 @@ struct EndedLease {
   WorkerId worker = 0;
 };
 
+/// A tile of a lease that goes on without it.
+struct DroppedTile {
+  LeaseId lease = 0;
+  WorkerId worker = 0;
+  uint32_t tile = 0;
+};
+
 /// A tile that is not tried any more, and why.
 struct Quarantined {
   JobKey job = 0;

@@ -24,8 +24,8 @@ double Blend(double mean, double newest) {
 }  // namespace
 
 void TileScheduler::AddJob(JobKey job, int frames, int columns, int rows, int priority,
-                           const std::string& user) {
-  jobs_[job].queue = std::make_unique<JobQueue>(frames, columns, rows);
+                           const std::string& user, TileOrder order) {
+  jobs_[job].queue = std::make_unique<JobQueue>(frames, columns, rows, order);
   shares_.Add(job, priority, user);
 }
 
@@ -296,7 +296,12 @@ bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, 
     if (owner == lease_owner_.end()) continue;
     const WorkerId worker = owner->second;
     Settle(key, frame, tile, holder, worker == id ? seconds : 0);
-    if (worker != id && !lease_owner_.contains(holder)) revoked_.push_back({holder, worker});
+    if (worker == id) continue;
+    if (lease_owner_.contains(holder)) {
+      dropped_.push_back({holder, worker, tile});
+    } else {
+      revoked_.push_back({holder, worker});
+    }
   }
   if (seconds > 0) {
     job->second.times.Add(seconds);
@@ -310,6 +315,11 @@ bool TileScheduler::Complete(JobKey key, int frame, uint32_t tile, WorkerId id, 
     }
   }
   return true;
+}
+
+std::vector<DroppedTile> TileScheduler::TakeDropped() {
+  std::erase_if(dropped_, [this](const DroppedTile& tile) { return !lease_owner_.contains(tile.lease); });
+  return std::exchange(dropped_, {});
 }
 
 TileScheduler::Expired TileScheduler::Expire() {

@@ -66,7 +66,8 @@ class TileScheduler {
   TileScheduler(const Clock& clock, const SchedulerOptions& options) : clock_(clock), options_(options) {}
 
   // --- Jobs --------------------------------------------------------------------------------------------
-  void AddJob(JobKey job, int frames, int columns, int rows, int priority = 0, const std::string& user = "");
+  void AddJob(JobKey job, int frames, int columns, int rows, int priority = 0, const std::string& user = "",
+              TileOrder order = TileOrder::kHilbert);
   /// Ends the job's leases; they are returned, their workers should hear of it.
   std::vector<EndedLease> RemoveJob(JobKey job);
   /// The job's tiles; null where the job is not scheduled. To mark what was done before a restart.
@@ -122,6 +123,9 @@ class TileScheduler {
   /// Leases that are over because others rendered their tiles, since the last call: workers should hear of
   /// it.
   std::vector<EndedLease> TakeRevoked() { return std::exchange(revoked_, {}); }
+  /// Tiles that others than their leases' workers have delivered since the last call, of leases that are not
+  /// over: workers should hear of those, too.
+  std::vector<DroppedTile> TakeDropped();
 
   struct Expired {
     std::vector<EndedLease> leases;
@@ -199,6 +203,7 @@ class TileScheduler {
   FairShare shares_;
   absl::flat_hash_map<LeaseId, WorkerId> lease_owner_;
   std::vector<EndedLease> revoked_;
+  std::vector<DroppedTile> dropped_;
   int64_t slots_ = 0;  ///< Of all workers that are not lost.
   LeaseId next_lease_ = 1;
 };

@@ -166,7 +166,8 @@ TEST(JsonOutput, KeysAreStable) {
                                                          "scene",
                                                          "frames",
                                                          "width",
-                                                         "height"}));
+                                                         "height",
+                                                         "order"}));
   EXPECT_EQ(keys(ToJson(FetchedFrame{})),
             (std::vector<std::string>{"frame", "file", "preview", "size_bytes", "digest"}));
   EXPECT_EQ(keys(ToJson(UploadReport{})),

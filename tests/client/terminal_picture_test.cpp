@@ -61,6 +61,49 @@ TEST(TerminalPicture, ATileChangesItsOwnPlaceAlone) {
   EXPECT_EQ(after[1].find("38;2;" + colour), after[1].rfind("38;2;" + colour));
 }
 
+/// The colour of the upper cell of each character, as "r;g;b".
+std::vector<std::string> UpperColours(const std::string& line) {
+  const std::string upper = "\x1b[38;2;", cell = "▀";
+  std::vector<std::string> colours;
+  std::string colour;
+  for (size_t i = 0; i < line.size(); ++i) {
+    if (line.compare(i, upper.size(), upper) == 0) {
+      const size_t from = i + upper.size();
+      colour = line.substr(from, line.find('m', from) - from);
+    }
+    if (line.compare(i, cell.size(), cell) == 0) colours.push_back(colour);
+  }
+  return colours;
+}
+
+TEST(TerminalPicture, ACoarseOneIsFilledByTheNearestTiles) {
+  // 12 × 1 tiles, two characters each.
+  const TileGrid grid{12 * kTileSize, kTileSize};
+  TerminalPicture plain(grid, 24, 1), coarse(grid, 24, 1, true);
+  EXPECT_EQ(coarse.Lines(), plain.Lines());  // Nothing is there.
+  ASSERT_EQ(coarse.tile_side(), 2);
+  const auto paint = [](TerminalPicture& picture, uint32_t tile, float red) {
+    std::vector<float> rgba;
+    for (const float share : {1.5f, 0.5f, 1.5f, 0.5f}) rgba.insert(rgba.end(), {share * red, 0, 0, 1});
+    ASSERT_TRUE(picture.SetTile(tile, rgba));
+  };
+  std::vector<std::string> expected = UpperColours(plain.Lines()[0]);
+  for (TerminalPicture* picture : {&plain, &coarse}) {
+    paint(*picture, 1, 0.5f);
+    paint(*picture, 6, 0.25f);
+  }
+  const auto at = [&](size_t tile, float left, float right) {
+    expected[2 * tile] = absl::StrCat(int(SrgbByte(left)), ";0;0");
+    expected[2 * tile + 1] = absl::StrCat(int(SrgbByte(right)), ";0;0");
+  };
+  at(1, 0.75f, 0.25f);
+  at(6, 0.375f, 0.125f);
+  EXPECT_EQ(UpperColours(plain.Lines()[0]), expected);
+  for (const size_t tile : {0, 2, 3}) at(tile, 0.5f, 0.5f);
+  for (const size_t tile : {4, 5, 7, 8, 9, 10}) at(tile, 0.25f, 0.25f);
+  EXPECT_EQ(UpperColours(coarse.Lines()[0]), expected);  // The last is too far from both.
+}
+
 TEST(TerminalPicture, WhatDoesNotFitIsLeftOut) {
   TerminalPicture picture(TileGrid{128, 64}, 8, 2);
   const auto before = picture.Lines();

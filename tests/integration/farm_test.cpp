@@ -1,5 +1,6 @@
 #include "tests/integration/farm.h"
 
+#include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,6 +68,14 @@ TEST_F(FarmTest, OneWorkerTwoWorkersAndOneProcessAgreeToTheLastBit) {
   farm_.StartWorker("two", 1);
   farm_.WaitForWorkers(2);
   EXPECT_EQ(FetchPixels(farm_.Submit(Arguments(scene, kPicture))), truth);
+  for (const char* order : {"center", "coarse"}) {
+    std::vector<std::string> arguments = Arguments(scene, kPicture);
+    arguments.insert(arguments.end(), {"--order", order});
+    const std::string job = farm_.Submit(arguments);
+    EXPECT_EQ(FetchPixels(job), truth) << order;
+    EXPECT_THAT(farm_.Client({"status", job, "--json"}).output,
+                HasSubstr(absl::StrCat("\"order\": \"", order)));
+  }
 }
 
 TEST_F(FarmTest, AWorkerKilledInMidFrameChangesNoPixel) {

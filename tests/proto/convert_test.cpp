@@ -72,6 +72,7 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.seed = (uint64_t{random()} << 32) | random();
   spec.output.pixel_type = PixelType(below(2));
   spec.output.compression = ExrCompression(below(r.mattes.empty() ? 4 : 3));
+  spec.order = TileOrder(below(3));
   return spec;
 }
 
@@ -87,6 +88,15 @@ TEST(ConvertJobSpecTest, RoundTripThroughBytesKeepsEveryField) {
     ASSERT_TRUE(back.ok()) << "seed " << seed << ": " << back.status();
     EXPECT_EQ(*back, spec) << "seed " << seed;
   }
+}
+
+TEST(ConvertJobSpecTest, AJobOfBeforeThereWereOrdersFollowsTheCurve) {
+  std::mt19937 random(1);
+  v1::JobSpec message = ToProto(RandomSpec(random));
+  message.set_order(v1::TILE_ORDER_COARSE);
+  EXPECT_EQ(FromProto(message)->order, TileOrder::kCoarse);
+  message.clear_order();
+  EXPECT_EQ(FromProto(message)->order, TileOrder::kHilbert);
 }
 
 TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
@@ -112,6 +122,8 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
   expect("output.pixel_type", [](v1::JobSpec& s) { s.clear_output(); });
   expect("output.compression: value 5",
          [](v1::JobSpec& s) { s.mutable_output()->set_compression(v1::Compression(5)); });
+  expect("order: value 4", [](v1::JobSpec& s) { s.set_order(v1::TileOrder(4)); });
+  expect("order: value -1", [](v1::JobSpec& s) { s.set_order(v1::TileOrder(-1)); });
   expect("width", [](v1::JobSpec& s) { s.mutable_render()->set_width(kMaxFrameSide + 1); });
   expect("fps", [&](v1::JobSpec& s) { s.mutable_render()->set_fps(nan); });
   expect("shutter_close", [&](v1::JobSpec& s) { s.mutable_render()->set_shutter_close(nan); });

@@ -103,8 +103,8 @@ class CrashPointsTest : public testing::Test {
     spdlog::set_level(spdlog::level::info);
   }
 
-  /// Operations that the whole workload takes.
-  static int CountOperations(Durability durability) {
+  /// Operations that the whole workload takes, with or without the removal of its job.
+  static int CountOperations(Durability durability, bool removes = false) {
     const TemporaryFolder folder;
     AtOperation counter(-2, false, [] {});
     InstallFileFaults(&counter);
@@ -114,6 +114,10 @@ class CrashPointsTest : public testing::Test {
       EXPECT_TRUE(workload.Open().ok());
       const absl::Status status = workload.Run(*acknowledged);
       EXPECT_TRUE(status.ok()) << status;
+      if (removes) {
+        const absl::Status removed = workload.Remove(*acknowledged);
+        EXPECT_TRUE(removed.ok()) << removed;
+      }
     }
     InstallFileFaults(nullptr);
     return counter.count();
@@ -121,7 +125,8 @@ class CrashPointsTest : public testing::Test {
 
   /// Runs the workload in a child that calls `at` at the operation, which ends it. False: it came to its end.
   static bool DieAt(const std::string& data, Durability durability, int position, bool torn,
-                    SharedAcknowledged& acknowledged, const std::string& power_cut_to = "") {
+                    SharedAcknowledged& acknowledged, const std::string& power_cut_to = "",
+                    bool removes = false) {
     const pid_t child = ::fork();
     SL_CHECK(child >= 0);
     if (child == 0) {
@@ -136,7 +141,8 @@ class CrashPointsTest : public testing::Test {
       InstallFileFaults(&faults);
       [&]() noexcept {
         CrashWorkload workload(data, durability);
-        const bool done = workload.Open().ok() && workload.Run(*acknowledged).ok();
+        const bool done = workload.Open().ok() && workload.Run(*acknowledged).ok() &&
+                          (!removes || workload.Remove(*acknowledged).ok());
         ::_exit(done ? 0 : 1);
       }();
     }
@@ -158,6 +164,67 @@ class CrashPointsTest : public testing::Test {
     ASSERT_EQ(workload.Missing(*acknowledged), "");
   }
 };
+
+/// Takes the folder of a job up that may have been half removed: it is there as it was, or it and all of it
+/// is gone.
+void ExpectWholeOrGone(const std::string& data, Durability durability, SharedAcknowledged& acknowledged) {
+  CrashWorkload workload(data, durability);
+  const absl::Status opened = workload.Open();
+  ASSERT_TRUE(opened.ok()) << opened;
+  workload.WaitForFrames();
+  ASSERT_EQ(workload.LeftOver(), "");
+  const auto jobs = workload.farm().List(UINT64_MAX, 2);
+  ASSERT_TRUE(jobs.ok()) << jobs.status();
+  if (!jobs->empty()) {
+    ASSERT_FALSE(acknowledged->removed);
+    ASSERT_EQ(workload.Missing(*acknowledged), "");
+  }
+  const absl::Status removed = workload.Remove(*acknowledged);
+  ASSERT_TRUE(removed.ok()) << removed;
+  ASSERT_EQ(workload.LeftOver(), "");
+  ASSERT_TRUE(workload.farm().List(UINT64_MAX, 2)->empty());
+}
+
+TEST_F(CrashPointsTest, ARemovalThatEndsAtAnyOperationLeavesAllOrNothing) {
+  for (const Durability durability : {Durability::kProcess, Durability::kPower}) {
+    const int first = CountOperations(durability), operations = CountOperations(durability, true);
+    ASSERT_GT(operations - first, 10);
+    for (int position = first; position < operations; ++position) {
+      SCOPED_TRACE(testing::Message()
+                   << "operation " << position << " of " << operations << ", durability " << int(durability));
+      const TemporaryFolder folder;
+      SharedAcknowledged acknowledged;
+      const std::string data = folder.path() + "/data", left = folder.path() + "/left";
+      const bool cut = durability == Durability::kPower;  // The power goes, or the process alone.
+      if (!DieAt(data, durability, position, false, acknowledged, cut ? left : "", true)) continue;
+      ExpectWholeOrGone(cut ? left : data, durability, acknowledged);
+      if (HasFailure()) return;
+    }
+  }
+}
+
+TEST_F(CrashPointsTest, ARemovalWaitsForADiskThatIsFull) {
+  const int first = CountOperations(Durability::kPower),
+            operations = CountOperations(Durability::kPower, true);
+  for (int position = first; position < operations; ++position) {
+    SCOPED_TRACE(testing::Message() << "full from operation " << position << " of " << operations);
+    const TemporaryFolder folder;
+    SharedAcknowledged acknowledged;
+    CrashWorkload workload(folder.path() + "/data", Durability::kPower);
+    Failing faults(position, 3, ENOSPC);
+    InstallFileFaults(&faults);
+    ASSERT_TRUE(workload.Open().ok());
+    ASSERT_TRUE(workload.Run(*acknowledged).ok());
+    absl::Status status = workload.Remove(*acknowledged);
+    for (int tries = 0; !status.ok() && tries < 20; ++tries) status = workload.Remove(*acknowledged);
+    ASSERT_TRUE(status.ok()) << status;
+    workload
+        .WaitForFrames();  // Files go when there is room for the note that they are gone: some tries later.
+    InstallFileFaults(nullptr);
+    ASSERT_EQ(workload.LeftOver(), "");
+    if (HasFailure()) return;
+  }
+}
 
 TEST_F(CrashPointsTest, AProcessThatEndsAtAnyOperationLosesNothingAcknowledged) {
   for (const Durability durability : {Durability::kProcess, Durability::kPower}) {

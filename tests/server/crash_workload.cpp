@@ -4,6 +4,7 @@
 #include <absl/synchronization/notification.h>
 
 #include <cstring>
+#include <set>
 
 #include "common/base/status_macros.h"
 #include "common/image/exr.h"
@@ -30,7 +31,7 @@ CrashWorkload::~CrashWorkload() {
   if (frames_pool_ != nullptr) frames_pool_->Stop();
 }
 
-JobSpec CrashWorkload::Spec() const {
+JobSpec CrashWorkload::Spec() {
   JobSpec spec;
   spec.scene.root_name = "scene.glb";
   spec.scene.files = {{"scene.glb", Sha256(kBlob), std::strlen(kBlob)}};
@@ -41,6 +42,13 @@ JobSpec CrashWorkload::Spec() const {
 }
 
 absl::Status CrashWorkload::Open() {
+  // What was open is closed first: one coordinator a folder.
+  if (frames_pool_ != nullptr) frames_pool_->Stop();
+  farm_.reset();
+  frames_pool_.reset();
+  journal_.reset();
+  assets_.reset();
+  store_.reset();
   SL_RETURN_IF_ERROR(server::MakeFolders(folder_, durability_));
   SL_ASSIGN_OR_RETURN(store_, server::SqliteJobStore::Open(folder_ + "/jobs.sqlite", durability_));
   SL_RETURN_IF_ERROR(server::SyncFolder(folder_, durability_));
@@ -51,6 +59,7 @@ absl::Status CrashWorkload::Open() {
   SL_RETURN_IF_ERROR(server::MakeFolders(folder_ + "/frames", durability_));
   frames_pool_ = std::make_unique<server::WorkPool>(1);
   Farm::Parts parts;
+  parts.config = config_;
   parts.config.data_dir = folder_;
   parts.config.durability = durability_;
   parts.clock = &clock_;
@@ -147,6 +156,40 @@ absl::Status CrashWorkload::Run(Acknowledged& acknowledged) {
   if (job.state != JobState::kSucceeded) return absl::InternalError(job.error);
   acknowledged.ended = true;
   return absl::OkStatus();
+}
+
+absl::Status CrashWorkload::Remove(Acknowledged& acknowledged) {
+  const absl::StatusOr<server::JobSnapshot> job = FindJob();
+  if (job.ok()) {
+    SL_RETURN_IF_ERROR(farm_->Remove(job->id).status());
+  } else if (!absl::IsNotFound(job.status())) {
+    return job.status();
+  }
+  acknowledged.removed = true;
+  WaitForFrames();
+  return absl::OkStatus();
+}
+
+std::string CrashWorkload::LeftOver() {
+  std::set<std::string> ids;
+  std::set<uint64_t> keys;
+  const auto jobs = farm_->List(UINT64_MAX, 100);
+  if (!jobs.ok()) return jobs.status().ToString();
+  for (const server::JobSnapshot& job : *jobs) {
+    ids.insert(job.id);
+    keys.insert(job.key);
+  }
+  const auto frames = server::ListFolder(folder_ + "/frames");
+  if (!frames.ok()) return frames.status().ToString();
+  for (const std::string& name : *frames) {
+    if (!ids.contains(name)) return absl::StrCat("frames of ", name);
+  }
+  for (const server::TileJournal::FrameKey& frame : journal_->Frames()) {
+    if (!keys.contains(frame.first)) return absl::StrCat("tiles of job ", frame.first);
+  }
+  const auto half = store_->HalfRemoved();
+  if (!half.ok()) return half.status().ToString();
+  return half->empty() ? "" : absl::StrCat("a note of the files of job ", half->front().id);
 }
 
 std::string CrashWorkload::MissingFrame(const std::string& job_id, int frame) {

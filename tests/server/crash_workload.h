@@ -19,7 +19,7 @@ namespace shutterline::test {
 
 /// What a coordinator has acknowledged, in memory that a process shares with the one that started it.
 struct Acknowledged {
-  std::atomic<bool> blob, job, frame_finished[2], ended;
+  std::atomic<bool> blob, job, frame_finished[2], ended, removed;
   std::atomic<bool> tile[2][4];
 };
 
@@ -31,7 +31,7 @@ class CrashWorkload {
   CrashWorkload(std::string folder, server::Durability durability);
   ~CrashWorkload();
 
-  /// Opens the folder, as a coordinator starts.
+  /// Opens the folder, as a coordinator starts; again, it is one that starts after another.
   absl::Status Open();
   /// Does all that is not done yet, and notes what has been acknowledged. Stops at the first error; may then
   /// be called again.
@@ -42,20 +42,31 @@ class CrashWorkload {
   /// The first steps of Run: the blob and the job are there.
   absl::Status Submit(Acknowledged& acknowledged);
 
+  /// Removes the job, which has ended, and waits for its files to go; OK also where it has been removed
+  /// before.
+  absl::Status Remove(Acknowledged& acknowledged);
+  /// What is there of jobs that are not; empty: nothing.
+  std::string LeftOver();
+  /// Until the thread that writes frames, and removes them, has nothing to do now or within half a minute,
+  /// which passes.
+  void WaitForFrames();
+  /// What a job asks for.
+  static JobSpec Spec();
+  /// How the next Open runs the coordinator; folder and durability are set there.
+  server::Config& config() { return config_; }
   server::Farm& farm() { return *farm_; }
   FakeClock& clock() { return clock_; }
 
  private:
   absl::Status UploadBlob();
   absl::Status PushTiles(int frame, uint32_t first, uint32_t count, Acknowledged& acknowledged);
-  void WaitForFrames();
   /// The job as the farm has it.
   absl::StatusOr<server::JobSnapshot> FindJob();
   std::string MissingFrame(const std::string& job_id, int frame);
-  JobSpec Spec() const;
 
   const std::string folder_;
   const server::Durability durability_;
+  server::Config config_;
   FakeClock clock_;
   std::unique_ptr<server::SqliteJobStore> store_;
   std::unique_ptr<server::DiskAssetStore> assets_;

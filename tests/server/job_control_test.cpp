@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/ids.h"
+#include "server/schedule/tile_order.h"
 #include "tests/server/coordinator_fixture.h"
 #include "tests/server/fake_worker.h"
 
@@ -99,6 +100,41 @@ TEST_F(JobControlTest, JobBeginsWhenTheOneBeforeItHasSucceededAndNotWhenItHasFai
   EXPECT_EQ(worker.NextGrant().job_id(), after.id());
   EXPECT_EQ(Get(before.id()).state(), v1::JOB_STATE_SUCCEEDED);
   EXPECT_EQ(Get(after.id()).waits_for_size(), 0);
+}
+
+TEST_F(JobControlTest, TilesComeInTheOrderThatTheJobAsksForAndMakeTheSameFrame) {
+  std::string frame;
+  for (const auto& [wire, order] : {std::pair{v1::TILE_ORDER_UNSPECIFIED, TileOrder::kHilbert},
+                                    {v1::TILE_ORDER_HILBERT, TileOrder::kHilbert},
+                                    {v1::TILE_ORDER_CENTER, TileOrder::kCenter},
+                                    {v1::TILE_ORDER_COARSE, TileOrder::kCoarse}}) {
+    SCOPED_TRACE(std::string(ToString(order)));
+    v1::SubmitRequest request = TriangleJob(1, 1, 330, 300);
+    request.mutable_spec()->set_order(wire);
+    const v1::Job job = SubmitOrDie(request);
+    // The order is of the job, over a restart too.
+    if (wire == v1::TILE_ORDER_COARSE) {
+      StopCoordinator();
+      StartCoordinator();
+    }
+    EXPECT_EQ(Get(job.id()).spec().order(),
+              wire == v1::TILE_ORDER_UNSPECIFIED ? v1::TILE_ORDER_HILBERT : wire);
+    std::vector<uint32_t> tiles;
+    FakeWorker worker(channel_);
+    while (tiles.size() < 110) {
+      worker.Credit(1);
+      const v1::Grant grant = worker.NextGrant();
+      tiles.insert(tiles.end(), grant.tiles().begin(), grant.tiles().end());
+      worker.Render(grant);
+    }
+    EXPECT_EQ(tiles, OrderTiles(order, 11, 10));
+    EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_SUCCEEDED);
+    std::string bytes;
+    v1::FrameChunk first;
+    ASSERT_TRUE(Fetch(job.id(), 1, 0, bytes, first).ok());
+    if (frame.empty()) frame = bytes;
+    EXPECT_EQ(bytes, frame);
+  }
 }
 
 TEST_F(JobControlTest, WishesAreCheckedByName) {

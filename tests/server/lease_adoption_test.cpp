@@ -139,5 +139,40 @@ TEST_F(LeaseAdoptionTest, TileThatKeepsEverybodyWaitingIsRenderedByAnotherAndThe
   ExpectSyntheticFrame(job.id(), 0, 96, 64);
 }
 
+TEST_F(LeaseAdoptionTest, ALeaseHearsOfTilesThatOthersHaveDeliveredAndKeepsTheRest) {
+  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 320, 320));
+  FakeWorker slow(channel_, "slow"), fast(channel_, "fast");
+  slow.Credit(1);
+  slow.Render(slow.NextGrant());  // Tiles are quick: leases are long from here on.
+  slow.Credit(1);
+  const v1::Grant grant = slow.NextGrant();
+  ASSERT_GE(grant.tiles_size(), 4);
+  const auto by_another = [&](std::vector<int> places) {
+    std::vector<v1::TileResult> results;
+    for (const int place : places) results.push_back(slow.Result(grant, grant.tiles(place)));
+    EXPECT_THAT(fast.Push(results).outcomes(), testing::Each(v1::ResultAck::OUTCOME_STORED));
+  };
+  const auto told = [&] {
+    v1::CoordinatorMessage message;
+    EXPECT_TRUE(slow.Next(message));
+    EXPECT_THAT(message.revoke().lease_ids(), testing::IsEmpty()) << "what an older worker reads: nothing";
+    EXPECT_EQ(message.revoke().tiles_size(), 1);
+    EXPECT_EQ(message.revoke().tiles(0).lease_id(), grant.lease_id());
+    return std::vector<uint32_t>(message.revoke().tiles(0).tiles().begin(),
+                                 message.revoke().tiles(0).tiles().end());
+  };
+  by_another({1});
+  EXPECT_THAT(told(), testing::ElementsAre(grant.tiles(1)));
+  by_another({3, 2});
+  EXPECT_THAT(told(), testing::UnorderedElementsAre(grant.tiles(2), grant.tiles(3)));
+  // The lease stands, and its worker's results count.
+  EXPECT_EQ(slow.Push({slow.Result(grant, grant.tiles(0))}).outcomes(0), v1::ResultAck::OUTCOME_STORED);
+  EXPECT_EQ(slow.Push({slow.Result(grant, grant.tiles(1))}).outcomes(0), v1::ResultAck::OUTCOME_DUPLICATE);
+  slow.Render(grant);
+  slow.RenderUntilForgotten();
+  EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_SUCCEEDED);
+  ExpectSyntheticFrame(job.id(), 0, 320, 320);
+}
+
 }  // namespace
 }  // namespace shutterline::server

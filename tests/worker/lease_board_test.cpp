@@ -69,6 +69,48 @@ TEST(LeaseBoard, RevokedTilesAreNotHandedOut) {
   EXPECT_EQ(board.UnrenderedLeases(), 1u) << "the other lease's tile is still under way";
 }
 
+TEST(LeaseBoard, ALeaseGoesOnWithoutTilesThatAreRevoked) {
+  LeaseBoard board;
+  int progress = 0;
+  const uint32_t five[] = {0, 1, 2, 3, 4}, one[] = {2};
+  board.Grant(Job(), 1, 0, five);
+  board.Grant(Job(), 2, 0, one);
+  const TileTask rendered = *board.Take(), under_way = *board.Take();
+  board.Rendered(rendered);
+  board.OnProgress([&] { ++progress; });
+  const uint32_t revoked[] = {0, 1, 2, 4, 77};
+  board.RevokeTiles(1, revoked);
+  board.RevokeTiles(3, revoked);  // Not held.
+  EXPECT_EQ(progress, 1);
+  const TileTask last = *board.Take();
+  EXPECT_EQ(last.tile, 3u) << "of the lease that lost the others";
+  EXPECT_EQ(board.Take()->tile, 2u) << "of the other lease";
+  board.Rendered(under_way);
+  EXPECT_EQ(board.UnrenderedLeases(), 2u);
+  board.Rendered(last);
+  EXPECT_EQ(board.UnrenderedLeases(), 1u);
+  // What was rendered before is waited for.
+  board.Acknowledged(last);
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(1u, 2u));
+  board.Acknowledged(rendered);
+  EXPECT_THAT(board.LiveLeases(), ElementsAre(2u));
+}
+
+TEST(LeaseBoard, ALeaseAllOfWhoseTilesAreRevokedIsOver) {
+  LeaseBoard board;
+  const uint32_t two[] = {0, 1};
+  board.Grant(Job(), 1, 0, two);
+  const TileTask under_way = *board.Take();
+  board.RevokeTiles(1, two);
+  EXPECT_EQ(board.UnrenderedLeases(), 0u);
+  EXPECT_THAT(board.LiveLeases(), IsEmpty());
+  EXPECT_FALSE(board.Idle());
+  board.Rendered(under_way);
+  EXPECT_TRUE(board.Idle());
+  board.Acknowledged(under_way);
+  EXPECT_TRUE(board.Grant(Job(), 1, 0, two));
+}
+
 TEST(LeaseBoard, TilesOfAnEarlierSessionDoNotCountForALeaseOfTheSameNumber) {
   LeaseBoard board;
   const uint32_t tiles[] = {0};

@@ -197,6 +197,39 @@ TEST_F(WorkerAdoptionTest, WhatIsNotAdoptedIsDroppedButForTheTileUnderWay) {
   EXPECT_EQ(engine_.tiles, 2);
 }
 
+TEST_F(WorkerSessionTest, TilesThatOthersHaveDeliveredAreNotRendered) {
+  absl::Notification started, go_on;
+  engine_.before_tile = [&](const TileRect&, int) {
+    if (!started.HasBeenNotified()) {
+      started.Notify();
+      go_on.WaitForNotification();
+    }
+    return absl::OkStatus();
+  };
+  StartWorker(1);
+  SendJob();
+  coordinator_.Grant(1, "job-1", 0, {7, 8, 9, 10});
+  started.WaitForNotification();
+  v1::CoordinatorMessage message;
+  v1::RevokedTiles& revoked = *message.mutable_revoke()->add_tiles();
+  revoked.set_lease_id(1);
+  for (const uint32_t tile : {7, 8, 10}) revoked.add_tiles(tile);
+  coordinator_.Send(message);
+  coordinator_.Grant(2, "job-1", 0, {8});  // Once this is named, what came before has been read.
+  coordinator_.WaitFor(
+      [](const State& s) { return !s.heartbeats.empty() && s.heartbeats.back().size() == 2; });
+  EXPECT_THAT(coordinator_.state().heartbeats.back(), ElementsAre(1u, 2u));
+  go_on.Notify();
+  worker_->Drain();
+  EXPECT_TRUE(worker_->Wait().ok());
+  const State state = coordinator_.state();
+  // What was under way comes all the same, and the other lease keeps its tile of the same number.
+  EXPECT_EQ(TilesOf(state.results), (std::multiset<uint32_t>{7, 8, 9}));
+  for (const v1::TileResult& result : state.results)
+    EXPECT_EQ(result.lease_id(), result.tile() == 8 ? 2u : 1u);
+  EXPECT_EQ(engine_.tiles, 3);
+}
+
 TEST_F(WorkerSessionTest, HeartbeatsGoOnDuringALongTile) {
   absl::Notification started, go_on;
   engine_.before_tile = [&](const TileRect&, int) {

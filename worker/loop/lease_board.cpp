@@ -146,6 +146,30 @@ void LeaseBoard::Revoke(std::span<const uint64_t> lease_ids) {
   if (on_progress_) on_progress_();
 }
 
+void LeaseBoard::RevokeTiles(uint64_t lease_id, std::span<const uint32_t> tiles) {
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto ticket = tickets_.find(lease_id);
+    if (ticket == tickets_.end()) return;
+    const auto found = leases_.find(ticket->second);
+    KeepLocked(found, [&](const Tile& tile) {
+      return tile.rendered || std::find(tiles.begin(), tiles.end(), tile.tile) == tiles.end();
+    });
+    DropWaitingLocked();
+  }
+  if (on_progress_) on_progress_();
+}
+
+void LeaseBoard::KeepLocked(Leases::iterator found, absl::FunctionRef<bool(const Tile&)> keeps) {
+  Lease& lease = found->second;
+  const bool was_unrendered = lease.unrendered > 0;
+  std::erase_if(lease.tiles, [&](const Tile& tile) { return !keeps(tile); });
+  lease.unrendered = size_t(
+      std::count_if(lease.tiles.begin(), lease.tiles.end(), [](const Tile& tile) { return !tile.rendered; }));
+  if (was_unrendered && lease.unrendered == 0) --unrendered_leases_;
+  if (lease.tiles.empty()) EraseLocked(found);
+}
+
 void LeaseBoard::Suspend() {
   absl::MutexLock lock(&mutex_);
   for (auto& [ticket, lease] : leases_) lease.lease_id.reset();
@@ -170,16 +194,10 @@ bool LeaseBoard::Adopt(uint64_t ticket, uint64_t lease_id, std::span<const uint3
     const auto found = leases_.find(ticket);
     if (found == leases_.end() || found->second.lease_id) return false;
     if (!tickets_.try_emplace(lease_id, ticket).second) return false;
-    Lease& lease = found->second;
-    lease.lease_id = lease_id;
-    const bool was_unrendered = lease.unrendered > 0;
-    std::erase_if(lease.tiles, [&](const Tile& tile) {
-      return std::find(tiles.begin(), tiles.end(), tile.tile) == tiles.end();
+    found->second.lease_id = lease_id;
+    KeepLocked(found, [&](const Tile& tile) {
+      return std::find(tiles.begin(), tiles.end(), tile.tile) != tiles.end();
     });
-    lease.unrendered = size_t(std::count_if(lease.tiles.begin(), lease.tiles.end(),
-                                            [](const Tile& tile) { return !tile.rendered; }));
-    if (was_unrendered && lease.unrendered == 0) --unrendered_leases_;
-    if (lease.tiles.empty()) EraseLocked(found);
     DropWaitingLocked();
   }
   if (on_progress_) on_progress_();

@@ -2,6 +2,7 @@
 
 #include <absl/base/thread_annotations.h>
 #include <absl/container/btree_map.h>
+#include <absl/functional/function_ref.h>
 #include <absl/synchronization/mutex.h>
 
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace shutterline::worker {
 
 /// The leases that a worker holds, and their tiles that wait for a thread.
 ///
-///     Grant (Take FrameReady Rendered)* Acknowledged*  |  Revoke  |  Suspend (Adopt | DropSuspended)
+///     Grant (Take FrameReady Rendered | RevokeTiles)* Acknowledged*  |  Revoke
+///       |  Suspend (Adopt | DropSuspended)
 ///
 /// A lease is *unrendered* until all its tiles have been rendered: that many leases occupy credit. It is
 /// *live* until all its tiles have been acknowledged as well: heartbeats name it. Tiles leave in the order
@@ -53,6 +55,9 @@ class LeaseBoard {
 
   /// Forgets leases; tiles of theirs that have not been taken are dropped.
   void Revoke(std::span<const uint64_t> lease_ids);
+  /// The same of those of a lease's tiles that have not been rendered; the lease goes on with the others.
+  /// Nothing happens where it is not held.
+  void RevokeTiles(uint64_t lease_id, std::span<const uint32_t> tiles);
   /// The session is over: its leases wait for the next to adopt them.
   void Suspend();
   struct Held {
@@ -97,6 +102,9 @@ class LeaseBoard {
   using Leases = absl::btree_map<uint64_t, Lease>;  ///< By ticket.
 
   void EraseLocked(Leases::iterator lease) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Leaves the lease those of its tiles for which `keeps` holds; without any it is over.
+  void KeepLocked(Leases::iterator lease, absl::FunctionRef<bool(const Tile&)> keeps)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Takes the tiles that no lease has any more out of those that wait.
   void DropWaitingLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool CanStartLocked(const TileTask& task) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

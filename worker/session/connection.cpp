@@ -103,6 +103,9 @@ void Connection::Handle(const v1::CoordinatorMessage& message) {
       return HandleGrant(message.grant());
     case v1::CoordinatorMessage::kRevoke: {
       const auto& ids = message.revoke().lease_ids();
+      for (const v1::RevokedTiles& lease : message.revoke().tiles()) {
+        board_.RevokeTiles(lease.lease_id(), {lease.tiles().data(), size_t(lease.tiles().size())});
+      }
       return board_.Revoke({ids.data(), size_t(ids.size())});
     }
     case v1::CoordinatorMessage::kForgetJob:

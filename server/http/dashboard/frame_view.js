@@ -4,6 +4,18 @@ import {heatColour, seconds} from './charts.js';
 
 const kTile = 32;
 const kStrip = 128;  // Tiles of one request.
+const kReach = 4;  // Tiles: how far a tile of a frame that is rendered coarse to fine stands for others.
+
+const onePixel = new OffscreenCanvas(1, 1).getContext('2d', {willReadFrequently: true});
+onePixel.imageSmoothingQuality = 'high';
+
+/** The mean of a part of a strip of tiles. */
+function meanColour(strip, top, width, height) {
+  onePixel.clearRect(0, 0, 1, 1);
+  onePixel.drawImage(strip, 0, top, width, height, 0, 0, 1, 1);
+  const [red, green, blue] = onePixel.getImageData(0, 0, 1, 1).data;
+  return `rgb(${red} ${green} ${blue})`;
+}
 
 export class FrameView {
   constructor(elements) {
@@ -14,8 +26,8 @@ export class FrameView {
   /** Shows a frame of a job, from an empty picture on. */
   show(job, frame) {
     this.run++;
-    Object.assign(this, {job, frame, cursor: '', times: new Map(), wanted: new Set(), drawn: new Set(), busy: false,
-                         again: false, finished: false, shown: false});
+    Object.assign(this, {job, frame, cursor: '', times: new Map(), wanted: new Set(), drawn: new Set(),
+                         standIns: new Map(), busy: false, again: false, finished: false, shown: false});
     for (const canvas of [this.picture, this.overlay]) {
       canvas.width = job.width;
       canvas.height = job.height;
@@ -83,8 +95,25 @@ export class FrameView {
         const width = Math.min(kTile, this.job.width - x), height = Math.min(kTile, this.job.height - y);
         draw.drawImage(strip, 0, i * kTile, width, height, x, y, width, height);
         this.drawn.add(tile);
+        if (this.job.order === 'coarse') this.standIn(tile, meanColour(strip, i * kTile, width, height));
       });
       strip.close();
+    }
+  }
+
+  /** Gives the tiles around this one its colour, where they are missing and none nearer has come. */
+  standIn(tile, colour) {
+    const columns = Math.ceil(this.job.width / kTile), rows = Math.ceil(this.job.height / kTile);
+    const column = tile % columns, row = Math.floor(tile / columns);
+    const draw = this.picture.getContext('2d');
+    draw.fillStyle = colour;
+    for (let y = Math.max(0, row - kReach); y <= Math.min(rows - 1, row + kReach); y++) {
+      for (let x = Math.max(0, column - kReach); x <= Math.min(columns - 1, column + kReach); x++) {
+        const other = y * columns + x, distance = (x - column) ** 2 + (y - row) ** 2;
+        if (this.drawn.has(other) || distance >= (this.standIns.get(other) ?? Infinity)) continue;
+        this.standIns.set(other, distance);
+        draw.fillRect(x * kTile, y * kTile, kTile, kTile);
+      }
     }
   }
 

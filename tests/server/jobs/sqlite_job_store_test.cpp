@@ -64,6 +64,53 @@ TEST_F(SqliteJobStoreTest, SameRequestIsTheSameJob) {
   EXPECT_EQ(second.job.spec, Spec(3));
 }
 
+TEST_F(SqliteJobStoreTest, ARemovedJobLeavesANoteAlone) {
+  const JobRecord a = store_->Create("a", Spec(3), {}, now_)->job,
+                  b = store_->Create("b", Spec(3), {}, now_)->job;
+  EXPECT_TRUE(absl::IsNotFound(store_->Remove(a.key, now_))) << "it has not ended";
+  ASSERT_TRUE(store_->AddFinishedFrame(a.key, {1, Sha256("exr"), 77, {}}).ok());
+  ASSERT_TRUE(store_->Quarantine(a.key, {2, 0, {{"uuid", "name", true, "why", now_}}}).ok());
+  ASSERT_TRUE(store_->End(a.key, JobState::kPartial, "", now_).ok());
+  ASSERT_TRUE(store_->Remove(a.key, now_ + absl::Seconds(5)).ok());
+  EXPECT_TRUE(absl::IsNotFound(store_->Remove(a.key, now_)));
+  Reopen();
+  EXPECT_TRUE(absl::IsNotFound(store_->Get(a.id).status()));
+  EXPECT_TRUE(absl::IsNotFound(store_->FindRequest("a").status()));
+  EXPECT_TRUE(store_->FinishedFrames(a.key)->empty());
+  EXPECT_TRUE(store_->QuarantinedTiles(a.key)->empty());
+  ASSERT_EQ(store_->HalfRemoved()->size(), 1u);
+  EXPECT_EQ(store_->HalfRemoved()->front().key, a.key);
+  for (const RemovedJob& removed : {*store_->FindRemoved(a.id), *store_->FindRemovedRequest("a")}) {
+    EXPECT_EQ(removed.id, a.id);
+    EXPECT_EQ(removed.state, JobState::kPartial);
+    EXPECT_EQ(removed.removed, now_ + absl::Seconds(5));
+  }
+  ASSERT_TRUE(store_->FilesRemoved(a.id).ok());
+  EXPECT_TRUE(store_->HalfRemoved()->empty());
+  EXPECT_TRUE(store_->FindRemoved(a.id).ok());
+  EXPECT_TRUE(absl::IsNotFound(store_->FindRemoved(b.id).status()));
+  // Its number is not used again.
+  EXPECT_EQ(store_->Create("c", Spec(1), {}, now_)->job.key, b.key + 1);
+}
+
+TEST_F(SqliteJobStoreTest, EndedJobsComeLongestEndedFirst) {
+  std::vector<JobRecord> jobs;
+  for (const char* request : {"a", "b", "c", "d", "e"})
+    jobs.push_back(store_->Create(request, Spec(1), {}, now_)->job);
+  for (const auto& [job, seconds] : {std::pair{3, 1}, {0, 2}, {1, 2}, {4, 3}}) {
+    ASSERT_TRUE(
+        store_->End(jobs[size_t(job)].key, JobState::kFailed, "", now_ + absl::Seconds(seconds)).ok());
+  }
+  EXPECT_EQ(store_->CountEnded().value(), 4);
+  std::vector<std::string> ids;
+  EndedJob last;
+  for (std::vector<EndedJob> page; !(page = store_->Ended(last, 2).value()).empty(); last = page.back()) {
+    for (const EndedJob& job : page) ids.push_back(job.id);
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{jobs[3].id, jobs[0].id, jobs[1].id, jobs[4].id}));
+  EXPECT_EQ(last.ended, now_ + absl::Seconds(3));
+}
+
 TEST_F(SqliteJobStoreTest, EndIsForEverAndFramesAreKept) {
   const JobRecord a = store_->Create("a", Spec(1), {}, now_)->job;
   const JobRecord b = store_->Create("b", Spec(1), {}, now_)->job;

@@ -24,7 +24,7 @@ using TileKey = std::tuple<JobKey, int, uint32_t>;
 
 /// What happened over all histories: what never happens is not tested.
 struct Seen {
-  int copies = 0, adopted = 0, quarantined = 0, restarts = 0, revoked = 0;
+  int copies = 0, adopted = 0, quarantined = 0, restarts = 0, revoked = 0, dropped = 0;
 };
 
 class History {
@@ -40,6 +40,7 @@ class History {
       job.rows = 1 + Below(4);
       job.priority = Below(3) == 0 ? 1 : 0;
       job.user = Below(2) == 0 ? "ann" : "bob";
+      job.order = TileOrder(Below(3));
       jobs_[JobKey(i + 1)] = job;
     }
     ScheduleJobs();
@@ -59,6 +60,7 @@ class History {
   struct Job {
     int frames = 0, columns = 0, rows = 0, priority = 0;
     std::string user;
+    TileOrder order = TileOrder::kHilbert;
     bool paused = false, cancelled = false;
   };
   struct Worker {
@@ -81,14 +83,14 @@ class History {
   void ScheduleJobs() {
     for (const auto& [key, job] : jobs_) {
       if (job.cancelled) continue;
-      scheduler_->AddJob(key, job.frames, job.columns, job.rows, job.priority, job.user);
+      scheduler_->AddJob(key, job.frames, job.columns, job.rows, job.priority, job.user, job.order);
       scheduler_->SetBlocked(key, TileScheduler::Block::kPaused, job.paused);
       JobQueue& queue = *scheduler_->Find(key);
       for (const auto& [tile_job, frame, tile] : quarantined_) {
         if (tile_job == key) queue.Quarantine(frame, tile);
       }
-      for (const auto& [tile_job, frame, tile] : done_) {
-        if (tile_job == key) queue.MarkDone(frame, tile);
+      for (const auto& [tile, unused] : done_) {
+        if (std::get<0>(tile) == key) queue.MarkDone(std::get<1>(tile), std::get<2>(tile));
       }
     }
   }
@@ -181,10 +183,22 @@ class History {
         !jobs_.at(result.job).cancelled && !done_.contains(key) && !quarantined_.contains(key);
     ASSERT_EQ(scheduler_->Complete(result.job, result.frame, result.tile, result.worker, result.time),
               wanted);
-    if (wanted) done_.insert(key);
+    if (wanted) done_[key] = workers_.contains(result.worker) ? workers_.at(result.worker).uuid : "";
     for (const EndedLease& lease : scheduler_->TakeRevoked()) {
       ++seen_.revoked;
       if (workers_.contains(lease.worker)) workers_.at(lease.worker).leases.erase(lease.id);
+    }
+    for (const DroppedTile& dropped : scheduler_->TakeDropped()) {
+      ++seen_.dropped;
+      ASSERT_EQ(dropped.tile, result.tile);
+      ASSERT_NE(dropped.worker, result.worker);
+      Worker& worker = workers_.at(dropped.worker);
+      const auto lease = worker.leases.find(dropped.lease);
+      if (lease == worker.leases.end()) continue;  // It has rendered all of it, and waits for the answers.
+      std::erase(lease->second.tiles, dropped.tile);
+      if (!lease->second.tiles.empty()) continue;
+      worker.leases.erase(lease);
+      ++worker.credit;
     }
   }
 
@@ -383,6 +397,15 @@ class History {
       ASSERT_EQ(queue->queued(), queued);
     }
     ASSERT_EQ(leased, held) << "a worker has a lease of a tile that it does not hold";
+    // Nobody goes on with what somebody else has delivered.
+    for (const auto& [id, worker] : workers_) {
+      for (const auto& [lease_id, lease] : worker.leases) {
+        for (const uint32_t tile : lease.tiles) {
+          const auto done = done_.find({lease.job, lease.frame, tile});
+          ASSERT_TRUE(done == done_.end() || done->second == worker.uuid);
+        }
+      }
+    }
   }
 
   /// No more faults, and a good worker: every job ends.
@@ -427,7 +450,8 @@ class History {
   std::map<WorkerId, Worker> workers_;
   std::map<LeaseId, WorkerId> owner_;  ///< Of the current scheduler's leases.
   std::vector<Result> under_way_;
-  std::set<TileKey> done_, quarantined_;
+  std::map<TileKey, std::string> done_;  ///< And by whom: a UUID, or nothing where he is gone.
+  std::set<TileKey> quarantined_;
   std::set<std::string> guilty_;  ///< Workers that have failed tiles, or died.
   WorkerId next_worker_ = 1;
 };
@@ -450,9 +474,11 @@ TEST(RandomHistoryTest, EveryTileIsDoneOnceNothingIsHeldByTheLostAndNobodyWaitsI
     if (HasFatalFailure()) return;
   }
   if (last - first < 999) return;
-  for (const int count : {seen.copies, seen.adopted, seen.quarantined, seen.restarts, seen.revoked}) {
+  for (const int count :
+       {seen.copies, seen.adopted, seen.quarantined, seen.restarts, seen.revoked, seen.dropped}) {
     EXPECT_GT(count, 20) << "copies " << seen.copies << " adopted " << seen.adopted << " quarantined "
-                         << seen.quarantined << " restarts " << seen.restarts << " revoked " << seen.revoked;
+                         << seen.quarantined << " restarts " << seen.restarts << " revoked " << seen.revoked
+                         << " dropped " << seen.dropped;
   }
 }
 

@@ -64,6 +64,35 @@ TEST_F(SpeculationTest, LateTileIsCopiedOnceAndTheFirstResultEndsBothLeases) {
   EXPECT_FALSE(scheduler_.Complete(1, 0, stuck_.tiles[0], 1, absl::Seconds(3)));
 }
 
+TEST(DroppedTilesTest, ALeaseHearsOfEachTileThatAnotherHasDelivered) {
+  test::FakeClock clock;
+  TileScheduler scheduler(clock, SchedulerOptions{});
+  scheduler.AddJob(1, 1, 40, 1);
+  scheduler.AddWorker(1, "slow", 1);
+  scheduler.AddWorker(2, "fast", 1);
+  for (const WorkerId id : {1, 2}) {
+    const Lease measured = *scheduler.Grant(id);
+    ASSERT_TRUE(scheduler.Complete(1, 0, measured.tiles[0], id, absl::Milliseconds(1)));
+  }
+  const Lease lease = *scheduler.Grant(1);
+  ASSERT_GT(lease.tiles.size(), 3u);
+  EXPECT_TRUE(scheduler.Complete(1, 0, lease.tiles[0], 1, absl::Milliseconds(1)));
+  EXPECT_THAT(scheduler.TakeDropped(), IsEmpty());  // Its own.
+  EXPECT_TRUE(scheduler.Complete(1, 0, lease.tiles[2], 2, absl::Milliseconds(1)));
+  EXPECT_FALSE(scheduler.Complete(1, 0, lease.tiles[2], 1, absl::Milliseconds(1)));
+  const std::vector<DroppedTile> dropped = scheduler.TakeDropped();
+  ASSERT_EQ(dropped.size(), 1u);
+  EXPECT_EQ(dropped[0].lease, lease.id);
+  EXPECT_EQ(dropped[0].worker, 1u);
+  EXPECT_EQ(dropped[0].tile, lease.tiles[2]);
+  EXPECT_THAT(scheduler.TakeRevoked(), IsEmpty());
+  EXPECT_EQ(scheduler.LeasedTiles(1), int64_t(lease.tiles.size()) - 2);
+  // The lease ends with its last tile: that is told at once, and nothing of its tiles.
+  for (const uint32_t tile : lease.tiles) scheduler.Complete(1, 0, tile, 2, absl::Milliseconds(1));
+  EXPECT_THAT(scheduler.TakeDropped(), IsEmpty());
+  ASSERT_EQ(scheduler.TakeRevoked().size(), 1u);
+}
+
 TEST_F(SpeculationTest, TileStaysLeasedUntilBothCopiesAreGivenUp) {
   ASSERT_EQ(scheduler_.Speculate({3}).size(), 1u);
   scheduler_.RemoveWorker(1);
