@@ -37,12 +37,13 @@ absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads,
   config.data_dir = (farm->folder_ / "coordinator").string();
   // The folder goes with the process: there is nobody for whom to wait for the disk.
   config.durability = server::Durability::kProcess;
-  auto coordinator = server::Coordinator::Start(config);
+  auto coordinator = server::Coordinator::Start(config, Clock::System(), &farm->shelf_);
   if (!coordinator.ok()) return Annotate(coordinator.status(), "start the coordinator in this process");
   farm->coordinator_ = *std::move(coordinator);
 
   worker::WorkerOptions worker_options;
   worker_options.threads = threads;
+  worker_options.shelf = &farm->shelf_;
   worker_options.cache_dir = farm->folder_ / "blobs";
   std::shared_ptr<engine::ShadingCache> cache;
   if (shading_cache_bytes > 0) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "server/coordinator.h"
+#include "worker/engine/scene/scene_shelf.h"
 #include "worker/frames/frame_renderer.h"
 #include "worker/worker.h"
 
@@ -35,6 +36,7 @@ class InProcessFarm {
  private:
   InProcessFarm() = default;
 
+  engine::SceneShelf shelf_;
   std::filesystem::path folder_;
   std::unique_ptr<worker::FrameRendererFactory> engine_;
   std::unique_ptr<server::Coordinator> coordinator_;

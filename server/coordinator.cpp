@@ -43,6 +43,7 @@
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/scene_names.h"
+#include "worker/engine/scene/scene_shelf.h"
 
 namespace shutterline::server {
 namespace {
@@ -52,19 +53,22 @@ constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
 constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
 constexpr absl::Duration kTick = absl::Milliseconds(50);
 
-absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras) {
+absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras,
+                        engine::SceneShelf* shelf) {
   const BlobSceneSource source(spec.scene, assets);
   SL_ASSIGN_OR_RETURN(const std::shared_ptr<const engine::Scene> scene, engine::ImportGltf(source));
   SL_RETURN_IF_ERROR(engine::ValidateAgainstScene(*scene, spec.render));
-  return cameras.Keep(spec, *scene);
+  SL_RETURN_IF_ERROR(cameras.Keep(spec, *scene));
+  if (shelf != nullptr) shelf->Put(PictureKey(spec.scene, RenderSettings()), scene);
+  return absl::OkStatus();
 }
 
 /// A scene that cannot be rendered is the request's fault, whatever the importer calls it; troubles of our
 /// own disk are not.
 absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras,
-                                 const Clock& clock, absl::Duration time) {
+                                 const Clock& clock, absl::Duration time, engine::SceneShelf* shelf) {
   const absl::Status status = WithinWorkLimit(clock, time, absl::StrCat("load scene ", spec.scene.root_name),
-                                              [&] { return CheckScene(spec, assets, cameras); });
+                                              [&] { return CheckScene(spec, assets, cameras, shelf); });
   switch (status.code()) {
     case absl::StatusCode::kOk:
     case absl::StatusCode::kDataLoss:
@@ -80,7 +84,8 @@ absl::Status CheckSubmittedScene(const JobSpec& spec, AssetStore& assets, FrameC
 
 class Coordinator::Impl {
  public:
-  Impl(const Config& config, const Clock& clock) : config_(config), clock_(clock) {}
+  Impl(const Config& config, const Clock& clock, engine::SceneShelf* shelf)
+      : config_(config), clock_(clock), shelf_(shelf) {}
   ~Impl() { Shutdown(absl::ZeroDuration()); }
 
   absl::Status Start();
@@ -97,6 +102,7 @@ class Coordinator::Impl {
 
   const Config config_;
   const Clock& clock_;
+  engine::SceneShelf* const shelf_;
   const CoordinatorIdentity identity_{kBuildId, convert::kProtocolLow, convert::kProtocolHigh};
 
   // In the order in which they depend on each other: freed from the last to the first.
@@ -168,7 +174,7 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.observer = observers_.get();
   parts.identity = identity_;
   parts.check_scene = [this](const JobSpec& spec, AssetStore& assets) {
-    return CheckSubmittedScene(spec, assets, cameras_, clock_, config_.scene_time);
+    return CheckSubmittedScene(spec, assets, cameras_, clock_, config_.scene_time, shelf_);
   };
   parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
     return cameras_.At(spec, assets, frame);
@@ -308,8 +314,9 @@ void Coordinator::Impl::Shutdown(absl::Duration grace) {
 Coordinator::Coordinator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Coordinator::~Coordinator() = default;
 
-absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Start(const Config& config, const Clock& clock) {
-  auto impl = std::make_unique<Impl>(config, clock);
+absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Start(const Config& config, const Clock& clock,
+                                                                engine::SceneShelf* shelf) {
+  auto impl = std::make_unique<Impl>(config, clock, shelf);
   SL_RETURN_IF_ERROR(impl->Start());
   return std::unique_ptr<Coordinator>(new Coordinator(std::move(impl)));
 }

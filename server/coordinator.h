@@ -12,6 +12,9 @@
 namespace grpc {
 class Channel;
 }
+namespace shutterline::engine {
+class SceneShelf;
+}
 
 namespace shutterline::server {
 
@@ -28,9 +31,11 @@ class Coordinator {
  public:
   /// Opens or makes the data folder, takes up unfinished jobs and starts to serve. FAILED_PRECONDITION where
   /// another coordinator uses the folder, UNAVAILABLE where the address cannot be bound, INVALID_ARGUMENT
-  /// for a bad configuration, DATA_LOSS for a damaged store.
+  /// for a bad configuration, DATA_LOSS for a damaged store. Scenes that were checked are put on `shelf`,
+  /// which outlives the coordinator, or may be null.
   static absl::StatusOr<std::unique_ptr<Coordinator>> Start(const Config& config,
-                                                            const Clock& clock = Clock::System());
+                                                            const Clock& clock = Clock::System(),
+                                                            engine::SceneShelf* shelf = nullptr);
   ~Coordinator();  ///< Shutdown with no grace.
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;

@@ -18,6 +18,10 @@ namespace grpc {
 class Channel;
 }
 
+namespace shutterline::engine {
+class SceneShelf;
+}
+
 namespace shutterline::worker {
 
 struct WorkerOptions {
@@ -39,6 +43,7 @@ struct WorkerOptions {
   /// What the factory lets the import of a scene, and the making of a frame, take. A scene that took too long
   /// is not tried again before as much time has passed.
   absl::Duration scene_time = absl::InfiniteDuration();
+  engine::SceneShelf* shelf = nullptr;  ///< As FrameCacheOptions has it: of a coordinator in this process.
 
   // --- How it behaves ----------------------------------------------------------------------------
   absl::Duration backoff_initial = absl::Milliseconds(100);

@@ -42,6 +42,22 @@ TEST(FrameCache, ImportsOnceAndMakesEachFrameOnce) {
   EXPECT_EQ(engine.frames, 4) << "settings are part of a frame's identity";
 }
 
+TEST(FrameCache, TakesASceneFromTheShelfOnceAndNoOther) {
+  FakeRenderer engine;
+  engine::SceneShelf shelf;
+  FrameCache cache(engine, {.max_scenes = 1, .shelf = &shelf});
+  const auto scene = std::make_shared<const engine::Scene>();
+  shelf.Put(Sha256("scene"), scene);
+  ASSERT_TRUE(cache.Get(Sha256("other"), 0, RenderSettings(), OpenSource).ok());
+  EXPECT_EQ(engine.imports, 1) << "the shelf holds another scene";
+  const auto closed = []() -> absl::StatusOr<std::unique_ptr<engine::AssetSource>> {
+    return absl::UnavailableError("no file needs to be read");
+  };
+  EXPECT_TRUE(cache.Get(Sha256("scene"), 0, RenderSettings(), closed).ok());
+  EXPECT_EQ(engine.imports, 1);
+  EXPECT_EQ(shelf.Take(Sha256("scene")), nullptr) << "the cache alone keeps it alive";
+}
+
 TEST(FrameCache, StaysWithinItsBounds) {
   FakeRenderer engine;
   FrameCache cache(engine, {.max_scenes = 2, .max_frames = 3});

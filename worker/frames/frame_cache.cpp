@@ -32,6 +32,9 @@ absl::StatusOr<std::shared_ptr<const FrameRenderer>> FrameCache::Get(const Diges
                                                                      const RenderSettings& settings,
                                                                      const AssetSourceMaker& open_source) {
   const auto import = [&]() -> absl::StatusOr<std::shared_ptr<const engine::Scene>> {
+    if (options_.shelf != nullptr) {
+      if (auto shelved = options_.shelf->Take(scene)) return shelved;
+    }
     SL_ASSIGN_OR_RETURN(const std::unique_ptr<engine::AssetSource> source, open_source());
     return factory_.Import(*source);
   };

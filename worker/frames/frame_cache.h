@@ -10,6 +10,7 @@
 #include "common/base/clock.h"
 #include "common/job/render_settings.h"
 #include "worker/engine/scene/asset_source.h"
+#include "worker/engine/scene/scene_shelf.h"
 #include "worker/frames/frame_renderer.h"
 #include "worker/frames/single_flight_cache.h"
 
@@ -23,6 +24,8 @@ struct FrameCacheOptions {
   /// as it may take, so that no scene has more than half of a thread's time. Infinite: for as long as it is
   /// remembered.
   absl::Duration retry_late = absl::InfiniteDuration();
+  engine::SceneShelf* shelf =
+      nullptr;  ///< Where a scene may lie that is imported already. Outlives the cache.
 };
 
 /// Where a scene's files are read from, should it have to be imported.
