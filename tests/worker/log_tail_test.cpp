@@ -14,7 +14,9 @@ namespace {
 TEST(LogTail, KeepsTheLastLinesAndCutsLongOnes) {
   LogTail tail;
   for (size_t i = 0; i < 3 * LogTail::kLines; ++i) tail.Add(absl::StrCat("line ", i, "\n"));
-  tail.Add(std::string(10'000, 'x') + "\nend");
+  const std::string long_line(10'000, 'x');
+  tail.Add(long_line);
+  tail.Add("\nend");
   std::string expected;
   for (size_t i = 2 * LogTail::kLines + 2; i < 3 * LogTail::kLines; ++i)
     absl::StrAppend(&expected, "line ", i, "\n");
