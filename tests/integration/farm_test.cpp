@@ -73,7 +73,7 @@ TEST_F(FarmTest, OneWorkerTwoWorkersAndOneProcessAgreeToTheLastBit) {
     arguments.insert(arguments.end(), {"--order", order});
     const std::string job = farm_.Submit(arguments);
     EXPECT_EQ(FetchPixels(job), truth) << order;
-    EXPECT_THAT(farm_.Client({"status", job, "--json"}).output,
+    EXPECT_THAT(farm_.Client({"status", job, "--json", "--server", farm_.Address()}).output,
                 HasSubstr(absl::StrCat("\"order\": \"", order)));
   }
 }
