@@ -83,7 +83,8 @@ TEST(Options, EachReachesItsSetting) {
   const Outcome outcome = Tell(
       Split("--frames -2-9x3 --fps 23.976 --size 640x480 --camera Cam#1 --animation all --shutter-open -0.25 "
             "--shutter-close 0.25 --integrator reference --pattern 4h4v --resolver paper --time-cells 7 "
-            "--time-samples 17 --spp 256 --motion-degree 2 --motion-pieces 16 "
+            "--filter gaussian --filter-radius 2.25 --time-samples 17 --spp 256 --motion-degree 2 "
+            "--motion-pieces 16 "
             "--seed 18446744073709551615 --float --compression piz --png -o out/f.##.exr fox.glb"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   RenderSettings settings;
@@ -97,6 +98,8 @@ TEST(Options, EachReachesItsSetting) {
   settings.integrator = IntegratorKind::kReference;
   settings.pattern = PatternKind::k4h4v;
   settings.resolver = ResolverKind::kPaper;
+  settings.filter = FilterKind::kGaussian;
+  settings.filter_radius = 2.25;
   settings.time_cells = 7;
   settings.time_samples = 17;
   settings.target_error.reset();
