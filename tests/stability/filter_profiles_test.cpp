@@ -161,7 +161,7 @@ FrameSceneBuilder Mixture(uint32_t seed) {
 }
 
 TEST(FilterProfiles, LinesAgreeWithRays) {
-  for (uint32_t seed = 1; seed <= uint32_t(Rounds(3)); ++seed) {
+  for (uint32_t seed = 1; seed <= uint32_t(Rounds(2)); ++seed) {
     const FrameSceneBuilder scene = Mixture(seed);
     const Image box = Render(scene, Lines(PatternKind::k8h8v, {FilterKind::kBox, 0.5}));
     for (const Filter& filter : {Filter{FilterKind::kTriangle, 1}, Filter{FilterKind::kGaussian, 1.5},
