@@ -205,6 +205,24 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
       "How visibility is resolved on a line: slice is exact along\nthe line at each instant; paper "
       "resolves patches over the\nshutter",
       [&](const std::string& t) { return StoreWord(ParseResolver(t), s.resolver, "slice or paper"); });
+  auto* filter =
+      AddValue(app, "--filter", "box|triangle|gaussian|blackman-harris", "box",
+               "How much of the light near it a pixel takes", [&](const std::string& t) {
+                 return StoreWord(ParseFilter(t), s.filter, "box, triangle, gaussian or blackman-harris");
+               });
+  auto* filter_radius = AddValue(
+      app, "--filter-radius", "PIXELS", "by --filter",
+      absl::StrCat("How far the filter reaches from a pixel's middle, ", kMinFilterRadius, " to\n",
+                   kMaxFilterRadius, "; box 0.5, triangle 1, gaussian 1.5, blackman-harris 2"),
+      [&](const std::string& t) {
+        double radius = 0;
+        SL_RETURN_IF_ERROR(Store(
+            ParseReal(t, kMinFilterRadius, kMaxFilterRadius,
+                      absl::StrCat("a number of pixels from ", kMinFilterRadius, " to ", kMaxFilterRadius)),
+            radius));
+        s.filter_radius = radius;
+        return absl::OkStatus();
+      });
   auto* time_cells = AddValue(
       app, "--time-cells", "N", "4", absl::StrCat("paper: equal spans of the shutter, 1 to ", kMaxTimeCells),
       [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxTimeCells), s.time_cells); });
@@ -257,8 +275,8 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
   target_error->excludes(time_samples);
   time_samples->excludes(target_error);
   AddLinesOption(app, s)->excludes(pattern);
-  for (CLI::Option* option : {integrator, pattern, resolver, time_cells, time_step, time_samples,
-                              target_error, spp, seed, layout}) {
+  for (CLI::Option* option : {integrator, pattern, resolver, filter, filter_radius, time_cells, time_step,
+                              time_samples, target_error, spp, seed, layout}) {
     option->group("Method");
   }
 }

@@ -26,6 +26,7 @@ std::string DescribeSettings(const RenderSettings& s) {
   }
   if (s.shading_rate) absl::StrAppend(&text, " shading_rate=", *s.shading_rate);
   if (s.cache_propagate) absl::StrAppend(&text, " cache_propagate=on");
+  absl::StrAppend(&text, " filter=", ToString(s.filter), ",radius:", FilterRadius(s));
   if (s.integrator == IntegratorKind::kLine) {
     absl::StrAppend(&text, " pattern=", ToString(s.pattern), " resolver=", ToString(s.resolver));
     if (s.resolver == ResolverKind::kPaper) {

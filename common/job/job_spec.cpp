@@ -134,7 +134,7 @@ absl::Status Validate(const JobSpec& spec, const JobLimits& limits) {
 
 Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   CanonicalWriter writer;
-  writer.Text("shutterline picture 4");  // Changes with this encoding.
+  writer.Text("shutterline picture 5");  // Changes with this encoding.
   writer.Text(scene.root_name);
   std::vector<SceneFile> files = scene.files;
   std::sort(files.begin(), files.end(),
@@ -186,6 +186,9 @@ Digest PictureKey(const SceneManifest& scene, const RenderSettings& render) {
   writer.Number(render.mattes.size());
   for (const Matte matte : render.mattes) writer.Text(ToString(matte));
   writer.Signed(render.matte_ranks);
+  // What is the same picture has the same name: a radius that is left out is the filter's own.
+  writer.Text(ToString(render.filter));
+  writer.Real(FilterRadius(render));
   return writer.Finish();
 }
 

@@ -30,6 +30,10 @@ constexpr Words<PatternKind, 7> kPatterns{{{PatternKind::kAuto, "auto"},
                                            {PatternKind::kRgls, "rgls"}}};
 constexpr Words<ResolverKind, 2> kResolvers{
     {{ResolverKind::kSlice, "slice"}, {ResolverKind::kPaper, "paper"}}};
+constexpr Words<FilterKind, 4> kFilters{{{FilterKind::kBox, "box"},
+                                         {FilterKind::kTriangle, "triangle"},
+                                         {FilterKind::kGaussian, "gaussian"},
+                                         {FilterKind::kBlackmanHarris, "blackman-harris"}}};
 constexpr Words<LightingKind, 4> kLightings{{{LightingKind::kAuto, "auto"},
                                              {LightingKind::kScene, "scene"},
                                              {LightingKind::kStudio, "studio"},
@@ -173,6 +177,7 @@ absl::Status Validate(const RenderSettings& s) {
   if (s.matte_ranks < 1 || s.matte_ranks > kMaxMatteRanks) {
     return OutOfRange("matte_ranks", s.matte_ranks, absl::StrCat("1 to ", kMaxMatteRanks));
   }
+  SL_RETURN_IF_ERROR(ValidateFilter(s));
   if (!std::isfinite(s.time_step) || s.time_step < 1e-3 || s.time_step > 1e6) {
     return OutOfRange("time_step", s.time_step, "0.001 to 1e6 pixels");
   }
@@ -192,6 +197,46 @@ absl::Status Validate(const RenderSettings& s) {
   return absl::OkStatus();
 }
 
+double DefaultFilterRadius(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::kBox:
+      return 0.5;
+    case FilterKind::kTriangle:
+      return 1;
+    case FilterKind::kGaussian:
+      return 1.5;
+    case FilterKind::kBlackmanHarris:
+      return 2;
+  }
+  return 0.5;
+}
+
+double FilterRadius(const RenderSettings& settings) {
+  return settings.filter_radius.value_or(DefaultFilterRadius(settings.filter));
+}
+
+bool HasPixelBox(const RenderSettings& settings) {
+  return settings.filter == FilterKind::kBox && FilterRadius(settings) == 0.5;
+}
+
+absl::Status ValidateFilter(const RenderSettings& s) {
+  const double radius = FilterRadius(s);
+  if (!(radius >= kMinFilterRadius && radius <= kMaxFilterRadius)) {
+    return OutOfRange("filter_radius", radius, absl::StrCat(kMinFilterRadius, " to ", kMaxFilterRadius));
+  }
+  if (HasPixelBox(s)) return absl::OkStatus();
+  const auto refuse = [&](absl::string_view method) {
+    return absl::InvalidArgumentError(absl::StrCat("render settings: filter ", ToString(s.filter),
+                                                   " of radius ", radius, ": ", method,
+                                                   " knows none but box of radius 0.5"));
+  };
+  if (s.integrator == IntegratorKind::kStochastic) return refuse("integrator stochastic");
+  if (s.integrator == IntegratorKind::kLine && s.resolver == ResolverKind::kPaper) {
+    return refuse("resolver paper");
+  }
+  return absl::OkStatus();
+}
+
 absl::string_view ToString(IntegratorKind kind) {
   return WordOf(kIntegrators, kind);
 }
@@ -203,6 +248,9 @@ absl::string_view ToString(PatternKind kind) {
 }
 absl::string_view ToString(ResolverKind kind) {
   return WordOf(kResolvers, kind);
+}
+absl::string_view ToString(FilterKind kind) {
+  return WordOf(kFilters, kind);
 }
 absl::string_view ToString(LightingKind kind) {
   return WordOf(kLightings, kind);
@@ -236,6 +284,9 @@ std::optional<PatternKind> ParsePattern(absl::string_view word) {
 }
 std::optional<ResolverKind> ParseResolver(absl::string_view word) {
   return ValueOf(kResolvers, word);
+}
+std::optional<FilterKind> ParseFilter(absl::string_view word) {
+  return ValueOf(kFilters, word);
 }
 std::optional<LightingKind> ParseLighting(absl::string_view word) {
   return ValueOf(kLightings, word);

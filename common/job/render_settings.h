@@ -19,6 +19,8 @@ enum class ReferenceLayout { kMotionBvh, kSharedInstants };
 /// where none is.
 enum class PatternKind { kAuto, k1h1v, k2h2v, k4h4v, k8h8v, k16h16v, kRgls };
 enum class ResolverKind { kSlice, kPaper };
+/// How much of the light near it a pixel takes: see docs/math/line_samples.md, section 8.
+enum class FilterKind { kBox, kTriangle, kGaussian, kBlackmanHarris };
 /// kAuto: the scene's own lights, or, where it has none, the studio.
 enum class LightingKind { kAuto, kScene, kStudio, kHeadlight };
 /// What a frame may hold beside its colour: see docs/formats.md for the channels and what they mean.
@@ -88,6 +90,10 @@ struct RenderSettings {
   IntegratorKind integrator = IntegratorKind::kLine;
   PatternKind pattern = PatternKind::kAuto;      ///< Line integrator: which line samples.
   ResolverKind resolver = ResolverKind::kSlice;  ///< Line integrator: how visibility is resolved.
+  FilterKind filter = FilterKind::kBox;          ///< Not with resolver `paper` or stochastic: box alone.
+  /// How far from its middle a pixel's filter reaches, pixels, kMinFilterRadius to kMaxFilterRadius. Unset:
+  /// DefaultFilterRadius.
+  std::optional<double> filter_radius;
   /// Line integrator: pixels of motion between two instants of a line; smaller is slower and more exact.
   double time_step = 2.0;
   /// Line integrator: if set, exactly this many instants on every line on which something moves, 1 to
@@ -145,6 +151,10 @@ inline constexpr double kMaxTargetError = 0.5;
 inline constexpr int kMaxMotionDegree = 3;
 /// More pieces would hardly be seen: where a path needs them, a warning says by how much it is missed.
 inline constexpr int kMaxMotionPieces = 64;
+/// A filter that reaches less far would leave light between pixels.
+inline constexpr double kMinFilterRadius = 0.5;
+/// Tiles are rendered with so much of their neighbours around them.
+inline constexpr double kMaxFilterRadius = 4;
 inline constexpr int kMaxTimeCells = 64;
 inline constexpr double kMaxAmbient = 1e6;
 inline constexpr double kMaxShutterOpening = 1e6;
@@ -159,12 +169,23 @@ inline constexpr int kMaxMatteRanks = 32;
 /// range. Names of cameras and animations are checked against the scene elsewhere.
 absl::Status Validate(const RenderSettings& settings);
 
+/// Pixels: box ½, triangle 1, gaussian 1.5, blackman-harris 2.
+double DefaultFilterRadius(FilterKind kind);
+/// The radius that is set, or the filter's own.
+double FilterRadius(const RenderSettings& settings);
+/// Is a pixel the mean of just what lies within it? So it is by default.
+bool HasPixelBox(const RenderSettings& settings);
+/// INVALID_ARGUMENT unless the radius is within its range and the method that is used knows the filter. Part
+/// of Validate.
+absl::Status ValidateFilter(const RenderSettings& settings);
+
 /// The words of the command line and of EXR headers ("rgls", "slice", "half", ...). Each Parse accepts
 /// exactly what ToString returns and otherwise returns nullopt.
 absl::string_view ToString(IntegratorKind kind);
 absl::string_view ToString(ReferenceLayout layout);
 absl::string_view ToString(PatternKind kind);
 absl::string_view ToString(ResolverKind kind);
+absl::string_view ToString(FilterKind kind);
 absl::string_view ToString(LightingKind kind);
 absl::string_view ToString(OcclusionFalloff falloff);
 absl::string_view ToString(OcclusionPattern pattern);
@@ -176,6 +197,7 @@ std::optional<IntegratorKind> ParseIntegrator(absl::string_view word);
 std::optional<ReferenceLayout> ParseReferenceLayout(absl::string_view word);
 std::optional<PatternKind> ParsePattern(absl::string_view word);
 std::optional<ResolverKind> ParseResolver(absl::string_view word);
+std::optional<FilterKind> ParseFilter(absl::string_view word);
 std::optional<LightingKind> ParseLighting(absl::string_view word);
 std::optional<OcclusionFalloff> ParseOcclusionFalloff(absl::string_view word);
 std::optional<OcclusionPattern> ParseOcclusionPattern(absl::string_view word);

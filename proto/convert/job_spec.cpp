@@ -31,6 +31,11 @@ constexpr Pairs<PatternKind, v1::Pattern, 7> kPatterns{{{PatternKind::kAuto, v1:
                                                         {PatternKind::kRgls, v1::PATTERN_RGLS}}};
 constexpr Pairs<ResolverKind, v1::Resolver, 2> kResolvers{
     {{ResolverKind::kSlice, v1::RESOLVER_SLICE}, {ResolverKind::kPaper, v1::RESOLVER_PAPER}}};
+constexpr Pairs<FilterKind, v1::Filter, 4> kFilters{
+    {{FilterKind::kBox, v1::FILTER_BOX},
+     {FilterKind::kTriangle, v1::FILTER_TRIANGLE},
+     {FilterKind::kGaussian, v1::FILTER_GAUSSIAN},
+     {FilterKind::kBlackmanHarris, v1::FILTER_BLACKMAN_HARRIS}}};
 constexpr Pairs<LightingKind, v1::Lighting, 4> kLightings{
     {{LightingKind::kAuto, v1::LIGHTING_AUTO},
      {LightingKind::kScene, v1::LIGHTING_SCENE},
@@ -156,6 +161,8 @@ v1::RenderSettings ToProto(const RenderSettings& s) {
   m.set_integrator(Out(kIntegrators, s.integrator));
   m.set_pattern(Out(kPatterns, s.pattern));
   m.set_resolver(Out(kResolvers, s.resolver));
+  m.set_filter(Out(kFilters, s.filter));
+  if (s.filter_radius) m.set_filter_radius(*s.filter_radius);
   m.set_lighting(Out(kLightings, s.lighting));
   m.set_ambient_red(s.ambient[0]);
   m.set_ambient_green(s.ambient[1]);
@@ -237,6 +244,8 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.integrator, In(kIntegrators, m.integrator(), field, "integrator"));
   SL_ASSIGN_OR_RETURN(s.pattern, In(kPatterns, m.pattern(), field, "pattern"));
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
+  SL_ASSIGN_OR_RETURN(s.filter, In(kFilters, m.filter(), field, "filter"));
+  if (m.has_filter_radius()) s.filter_radius = m.filter_radius();
   SL_ASSIGN_OR_RETURN(s.lighting, In(kLightings, m.lighting(), field, "lighting"));
   s.ambient = {m.ambient_red(), m.ambient_green(), m.ambient_blue()};
   if (m.has_occlusion()) {

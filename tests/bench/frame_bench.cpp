@@ -18,7 +18,7 @@ namespace {
 struct Options {
   std::string scene = "trees";
   std::string camera, animation;
-  std::string pattern = "rgls";
+  std::string pattern = "rgls", filter = "box";
   std::string save;
   int width = 1024, height = 768;
   int frame = 0;
@@ -28,7 +28,7 @@ struct Options {
   int only_reference = 0;
   double shutter_close = 0.5, fps = 24, time_step = 2;
   int time_samples = 0;
-  double target_error = 0;
+  double target_error = 0, filter_radius = 0;
   std::vector<int> ladder, shared, stochastic;
   std::vector<int> window;
   bool flat = false;
@@ -89,6 +89,13 @@ int Run(const Options& options) {
     return 2;
   }
   settings.pattern = *pattern;
+  const auto filter = ParseFilter(options.filter);
+  if (!filter) {
+    std::fprintf(stderr, "frame_bench: unknown filter\n");
+    return 2;
+  }
+  settings.filter = *filter;
+  if (options.filter_radius > 0) settings.filter_radius = options.filter_radius;
 
   if (options.only_reference > 0) {
     settings.integrator = IntegratorKind::kReference;
@@ -168,6 +175,8 @@ int main(int argc, char** argv) {
   app.add_option("--animation", o.animation, "Name, index, all or none");
   app.add_option("--window", o.window, "Only this part of the frame: x, y, width, height")->expected(4);
   app.add_option("--pattern", o.pattern, "1h1v, 2h2v, 4h4v, 8h8v, 16h16v or rgls");
+  app.add_option("--filter", o.filter, "box, triangle, gaussian or blackman-harris");
+  app.add_option("--filter-radius", o.filter_radius, "Pixels; 0: the filter's own");
   app.add_option("--time-step", o.time_step, "Pixels of motion an instant");
   app.add_option("--time-samples", o.time_samples, "Instants on every moving line; 0: by motion");
   app.add_option("--target-error", o.target_error, "RMS error aimed at within a tile; 0: by motion");

@@ -83,7 +83,8 @@ TEST(Options, EachReachesItsSetting) {
   const Outcome outcome = Tell(
       Split("--frames -2-9x3 --fps 23.976 --size 640x480 --camera Cam#1 --animation all --shutter-open -0.25 "
             "--shutter-close 0.25 --integrator reference --pattern 4h4v --resolver paper --time-cells 7 "
-            "--time-samples 17 --spp 256 --motion-degree 2 --motion-pieces 16 "
+            "--filter gaussian --filter-radius 2.25 --time-samples 17 --spp 256 --motion-degree 2 "
+            "--motion-pieces 16 "
             "--seed 18446744073709551615 --float --compression piz --png -o out/f.##.exr fox.glb"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   RenderSettings settings;
@@ -97,6 +98,8 @@ TEST(Options, EachReachesItsSetting) {
   settings.integrator = IntegratorKind::kReference;
   settings.pattern = PatternKind::k4h4v;
   settings.resolver = ResolverKind::kPaper;
+  settings.filter = FilterKind::kGaussian;
+  settings.filter_radius = 2.25;
   settings.time_cells = 7;
   settings.time_samples = 17;
   settings.target_error.reset();
@@ -144,6 +147,15 @@ TEST(Options, AnErrorToAimAtIsRefusedWhereItMeansNothing) {
             std::string::npos);
 }
 
+TEST(Options, AFilterIsRefusedByMethodsThatKnowNone) {
+  EXPECT_NE(Tell(Split("a.glb --filter triangle --integrator stochastic"))
+                .err.find("filter triangle of radius 1: integrator stochastic knows none but box"),
+            std::string::npos);
+  EXPECT_NE(Tell(Split("a.glb --filter-radius 0.75 --resolver paper"))
+                .err.find("filter box of radius 0.75: resolver paper knows none but box"),
+            std::string::npos);
+}
+
 TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
   const std::vector<std::pair<std::string, Words>> hostile = {
       {"--size", {"1e9x1", "0x0", "-5x5", "1024", "x", "32769x2", "1x", "99999999999999999999x1"}},
@@ -156,6 +168,8 @@ TEST(Options, HostileValuesAreUsageErrorsThatNameOptionValueAndRule) {
       {"--pattern", {"RGLS", "3h3v", "32h32v"}},
       {"--lines", {"0", "3", "64", "-2", "4.0", "rgls"}},
       {"--resolver", {"paper?", "slice "}},
+      {"--filter", {"Gaussian", "sinc", "blackman"}},
+      {"--filter-radius", {"0", "0.49", "-1", "4.1", "nan", "wide"}},
       {"--time-cells", {"0", "-1", "65", "2.5"}},
       {"--time-step", {"0", "-1", "nan", "1e-9"}},
       {"--time-samples", {"0", "-1", "65537", "2.5"}},

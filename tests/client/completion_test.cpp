@@ -128,12 +128,16 @@ TEST_F(Completion, HostileTextStaysText) {
 TEST(CompletionWords, OnlyLiteralValuesAreOffered) {
   std::vector<std::unique_ptr<Command>> commands;
   const auto app = MakeParser(CommandTable(), commands);
-  bool curve = false, output = false;
+  bool curve = false, filter = false, output = false;
   for (const CompletionCommand& command : CompletionCommands(*app)) {
     for (const CompletionOption& option : command.options) {
       if (option.names.back() == "--shutter-curve") {
         curve = true;
         EXPECT_THAT(option.words, ElementsAre("box", "triangle", "trapezoid", "decay"));
+      }
+      if (option.names.back() == "--filter") {
+        filter = true;
+        EXPECT_THAT(option.words, ElementsAre("box", "triangle", "gaussian", "blackman-harris"));
       }
       if (option.names.back() == "--output") {
         output = true;
@@ -143,7 +147,7 @@ TEST(CompletionWords, OnlyLiteralValuesAreOffered) {
       EXPECT_THAT(option.description, Not(HasSubstr("\n")));
     }
   }
-  EXPECT_TRUE(curve && output);
+  EXPECT_TRUE(curve && filter && output);
 }
 
 }  // namespace

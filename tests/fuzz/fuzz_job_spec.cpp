@@ -27,6 +27,8 @@ JobSpec ValidSpec(std::mt19937_64& random) {
   spec.render.height = 48;
   if (random() % 2 == 0) spec.render.occlusion.emplace();
   if (random() % 2 == 0) spec.render.shutter_curve = {{0.0, 0.0}, {0.5, 1.0}, {1.0, 0.0}};
+  spec.render.filter = FilterKind(random() % 4);
+  if (random() % 2 == 0) spec.render.filter_radius = 0.5 + double(random() % 8) / 2.5;
   return spec;
 }
 

@@ -44,6 +44,10 @@ JobSpec RandomSpec(std::mt19937& random) {
   r.lighting = LightingKind(below(4));
   r.ambient = {below(10) / 3.0, below(10) / 3.0, below(10) / 3.0};
   r.pattern = PatternKind(below(6));
+  if (r.integrator != IntegratorKind::kStochastic) {
+    r.filter = FilterKind(below(4));
+    if (below(2)) r.filter_radius = 0.5 + below(8) / 2.0;
+  }
   if (below(2)) {
     r.occlusion = OcclusionSettings{.lines = 1 + below(100),
                                     .radius = below(2) ? std::optional(1 + below(9) / 3.0) : std::nullopt,
@@ -119,6 +123,8 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
          [](v1::JobSpec& s) { s.mutable_render()->set_resolver(v1::Resolver(9)); });
   expect("render.pattern: value -1",
          [](v1::JobSpec& s) { s.mutable_render()->set_pattern(v1::Pattern(-1)); });
+  expect("render.filter: is not specified", [](v1::JobSpec& s) { s.mutable_render()->clear_filter(); });
+  expect("filter_radius", [&](v1::JobSpec& s) { s.mutable_render()->set_filter_radius(nan); });
   expect("output.pixel_type", [](v1::JobSpec& s) { s.clear_output(); });
   expect("output.compression: value 5",
          [](v1::JobSpec& s) { s.mutable_output()->set_compression(v1::Compression(5)); });
@@ -200,6 +206,13 @@ TEST(PictureKeyTest, DependsOnWhatChangesPixelsAndOnNothingElse) {
   EXPECT_NE(PictureKey(spec.scene, named), key);
   EXPECT_NE(PictureKey(spec.scene, ranked), key);
   EXPECT_NE(PictureKey(spec.scene, open), key);
+  RenderSettings filtered = spec.render, wider = spec.render, named_radius = spec.render;
+  filtered.filter = filtered.filter == FilterKind::kBox ? FilterKind::kTriangle : FilterKind::kBox;
+  wider.filter_radius = FilterRadius(wider) + 0.25;
+  named_radius.filter_radius = FilterRadius(named_radius);
+  EXPECT_NE(PictureKey(spec.scene, filtered), key);
+  EXPECT_NE(PictureKey(spec.scene, wider), key);
+  EXPECT_EQ(PictureKey(spec.scene, named_radius), key) << "the same picture";
   RenderSettings target = spec.render, finer = spec.render;
   target.target_error = 0.01;
   finer.target_error = 0.001;

@@ -67,6 +67,10 @@ TEST(RenderSettings, EveryRangeIsHeldAndNamed) {
        {1e-12, 1, 1e12},
        {0, -1, 1.1e12, kNaN, kInfinity}},
       {"shading_rate", [](auto& s, double v) { s.shading_rate = v; }, {1.0 / 64, 1, 16}, {0, -1, 17, kNaN}},
+      {"filter_radius",
+       [](auto& s, double v) { s.filter_radius = v; },
+       {0.5, 1.3, 4},
+       {0, -1, 0.49, 4.01, kNaN, kInfinity}},
       {"matte_ranks", [](auto& s, double v) { s.matte_ranks = int(v); }, {1, 32}, {0, -1, 33}},
       {"aovs[1]",
        [](auto& s, double v) {
@@ -121,6 +125,32 @@ TEST(RenderSettings, WhatNeedsOcclusionSaysSo) {
   EXPECT_TRUE(Validate(settings).ok());
   settings.occlusion->falloff = OcclusionFalloff::kLinear;
   EXPECT_THAT(std::string(Validate(settings).message()), HasSubstr("occlusion.radius"));
+}
+
+TEST(RenderSettings, MethodsWithoutFiltersSaySo) {
+  const auto message = [](const RenderSettings& settings) {
+    return std::string(Validate(settings).message());
+  };
+  RenderSettings paper;
+  paper.resolver = ResolverKind::kPaper;
+  RenderSettings stochastic;
+  stochastic.integrator = IntegratorKind::kStochastic;
+  for (RenderSettings settings : {paper, stochastic}) {
+    // A box of half a pixel is the default, whoever names it.
+    settings.filter_radius = 0.5;
+    EXPECT_EQ(message(settings), "");
+    settings.filter_radius = 0.75;
+    EXPECT_THAT(message(settings), HasSubstr("filter box of radius 0.75"));
+    settings.filter = FilterKind::kGaussian;
+    settings.filter_radius = std::nullopt;
+    EXPECT_THAT(message(settings), HasSubstr("filter gaussian of radius 1.5"));
+    EXPECT_THAT(message(settings),
+                HasSubstr(settings.integrator == IntegratorKind::kStochastic ? "integrator stochastic"
+                                                                             : "resolver paper"));
+    // What is not used does not matter.
+    settings.integrator = IntegratorKind::kReference;
+    EXPECT_EQ(message(settings), "");
+  }
 }
 
 TEST(RenderSettings, AStillIsValid) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -21,10 +22,12 @@ namespace {
 struct Result {
   std::map<std::tuple<int64_t, uint32_t, uint16_t>, std::tuple<uint64_t, double, double>> pairs;
   std::vector<std::array<double, 4>> flat;
+  std::vector<uint64_t> spreads;
   friend bool operator==(const Result&, const Result&) = default;
 };
 
-Result ResolveSoup(uint64_t seed, bool curved) {
+/// With a filter the pixels' sums and pairs are those that it spreads.
+Result ResolveSoup(uint64_t seed, bool curved, const PixelFilter* filter) {
   const auto frame = RandomSoup(seed, 150, curved);
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame->primitives) {
@@ -46,11 +49,12 @@ Result ResolveSoup(uint64_t seed, bool curved) {
   });
   RenderStats stats;
   ResolverSlice(LineSettings(PatternKind::kRgls, 16))
-      .Resolve({*frame, traits, {0, 0, 32, 32}, candidates}, weights, &film, stats);
+      .Resolve({*frame, traits, {0, 0, 32, 32}, candidates, nullptr, filter}, weights, &film, stats);
   Result result;
   for (int64_t pixel = 0; pixel < 32 * 32; ++pixel) {
     weights.ForEach(pixel, [&](const PixelPair& pair) {
       result.pairs[{pixel, pair.triangle, pair.bin}] = {pair.weight, pair.b1, pair.b2};
+      for (const uint64_t weight : weights.SpreadOf(weights.NumberOf(pair))) result.spreads.push_back(weight);
     });
     result.flat.push_back(film.At(pixel));
   }
@@ -60,12 +64,15 @@ Result ResolveSoup(uint64_t seed, bool curved) {
 TEST(Targets, AllGiveTheSameBits) {
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Result best = ResolveSoup(seed, seed % 2 == 0);
+    const std::optional<PixelFilter> filter =
+        seed % 3 == 0 ? std::optional<PixelFilter>(std::in_place, FilterKind::kGaussian, 1.5) : std::nullopt;
+    const PixelFilter* const wide = filter ? &*filter : nullptr;
+    const Result best = ResolveSoup(seed, seed % 2 == 0, wide);
     ASSERT_FALSE(best.pairs.empty());
     std::set<std::string> seen{KernelTarget()};
     ForEachTarget([&] {
       seen.insert(KernelTarget());
-      EXPECT_TRUE(ResolveSoup(seed, seed % 2 == 0) == best) << KernelTarget();
+      EXPECT_TRUE(ResolveSoup(seed, seed % 2 == 0, wide) == best) << KernelTarget();
     });
     // At least the machine's own and an older one have been compared.
     EXPECT_GE(seen.size(), 2u);

@@ -125,6 +125,7 @@ TEST_F(MigrationsTest, EveryVersionsStoreKeepsAllThatWasInIt) {
       EXPECT_EQ(waits.spec.scene.files.at(0).size, 77u);
       // What did not exist then has its default.
       EXPECT_EQ(waits.spec.render.lighting, LightingKind::kAuto);
+      EXPECT_TRUE(HasPixelBox(waits.spec.render));
       EXPECT_EQ(waits.spec.render.matte_ranks, RenderSettings().matte_ranks);
       EXPECT_TRUE(Validate(waits.spec.render).ok());
       const auto ended = (*store)->Get("ended");

@@ -27,6 +27,7 @@ EmbreeTracer::EmbreeTracer(std::shared_ptr<const FrameScene> frame_scene, Shader
       embree_(std::move(embree)),
       shader_(std::move(shader), settings, std::move(cache)),
       pattern_(settings.seed, frame),
+      filter_(settings),
       shutter_(settings.shutter_curve),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
@@ -48,7 +49,7 @@ void EmbreeTracer::RenderPixels(const TileRect& rect, std::span<float> rgba, Ren
         alignas(64) int valid[kWidth];
         for (int lane = 0; lane < kWidth; ++lane) {
           valid[lane] = lane < count ? -1 : 0;
-          const PixelPoint p = points.At(uint32_t(first + std::min(lane, count - 1)));
+          const PixelPoint p = filter_.Place(points.At(uint32_t(first + std::min(lane, count - 1))));
           camera.Set(packet, lane, x + p.x, y + p.y, shutter_.TimeOf(p.t));
         }
         std::array<double, kWidth> times;

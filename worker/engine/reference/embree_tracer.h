@@ -8,13 +8,14 @@
 #include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/sampling/filter_points.h"
 #include "worker/engine/sampling/point_pattern.h"
 #include "worker/engine/sampling/shutter_curve.h"
 
 namespace shutterline::engine {
 
-/// `--integrator reference`: ground truth by point samples. Every pixel is the mean, under a box filter, of
-/// `settings.spp` rays at low-discrepancy points in (x, y, t), traced by Embree against triangles that move
+/// `--integrator reference`: ground truth by point samples. Every pixel is the mean of `settings.spp` rays at
+/// low-discrepancy points in (x, y, t), traced by Embree against triangles that move
 /// linearly over the shutter. The motion model is that of the line integrator: homogeneous raster space is
 /// a constant linear map of view space. Surfaces are hit between the near and the far plane; those seen
 /// from behind are passed where their material is not double-sided, facing being that at the ray's own
@@ -46,6 +47,7 @@ class EmbreeTracer : public TileIntegrator {
   EmbreeFrame embree_;
   HitShader shader_;
   PointPattern pattern_;
+  FilterPoints filter_;
   ShutterCurve shutter_;
   int spp_;
 };

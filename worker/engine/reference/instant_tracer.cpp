@@ -71,6 +71,7 @@ InstantTracer::InstantTracer(std::shared_ptr<const FrameScene> frame_scene, Shad
     : frame_scene_(std::move(frame_scene)),
       shader_(std::move(shader), settings, std::move(cache)),
       pattern_(settings.seed, frame),
+      filter_(settings),
       spp_(settings.spp) {
   SL_CHECK(spp_ >= 1);
   const ShutterCurve shutter(settings.shutter_curve);
@@ -109,7 +110,7 @@ void InstantTracer::RenderTile(const TileRect& rect, std::span<float> rgba, Rend
     for (int block = 0; block < blocks; ++block) {
       typename EmbreePacket<kWidth>::RayHit packet;
       for (int lane = 0; lane < kWidth; ++lane) {
-        const PixelPoint p = points[size_t(block * kWidth + lane)].At(digits);
+        const PixelPoint p = filter_.Place(points[size_t(block * kWidth + lane)].At(digits));
         camera.Set(packet, lane, lane_x(block, lane) + p.x, lane_y(block, lane) + p.y, 0);
       }
       std::array<double, kWidth> times;

@@ -9,6 +9,7 @@
 #include "worker/engine/accel/embree_frame.h"
 #include "worker/engine/reference/hit_shader.h"
 #include "worker/engine/render/tile_integrator.h"
+#include "worker/engine/sampling/filter_points.h"
 #include "worker/engine/sampling/point_pattern.h"
 
 namespace shutterline::engine {
@@ -44,6 +45,7 @@ class InstantTracer final : public TileIntegrator {
   std::shared_ptr<const FrameScene> frame_scene_;
   HitShader shader_;
   PointPattern pattern_;
+  FilterPoints filter_;
   int spp_;
   std::vector<double> instants_;     ///< By stratum.
   std::vector<EmbreeFrame> scenes_;  ///< By stratum; one for all where nothing moves.

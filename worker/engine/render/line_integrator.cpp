@@ -4,33 +4,17 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <tuple>
 
 #include "common/base/check.h"
 #include "common/base/status_macros.h"
 #include "common/math/tolerance.h"
 #include "worker/engine/render/make_resolver.h"
+#include "worker/engine/render/pixel_sum.h"
+#include "worker/engine/render/spread_pairs.h"
 #include "worker/engine/render/stage_timer.h"
 #include "worker/engine/shading/footprint.h"
 
 namespace shutterline::engine {
-namespace {
-
-/// A pair's share of its pixel.
-struct Contribution {
-  uint64_t weight;
-  V3f color;
-};
-
-/// An order that depends on what is added only, not on how triangles are numbered: sums of equal sets of
-/// contributions are then equal to the last bit.
-bool CanonicalOrder(const Contribution& a, const Contribution& b) {
-  return std::tie(a.weight, a.color.x, a.color.y, a.color.z) <
-         std::tie(b.weight, b.color.x, b.color.y, b.color.z);
-}
-
-}  // namespace
-
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
     std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
     std::shared_ptr<ShadingCache> cache, int threads) {
@@ -57,15 +41,17 @@ LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader s
       resolver_(MakeResolver(settings)),
       traits_(shader_.Traits()),
       required_traits_(traits_) {
+  if (!HasPixelBox(settings)) filter_.emplace(settings.filter, FilterRadius(settings));
   outputs_.Require(required_traits_);
 }
 
 void LineIntegrator::Render(const TileRect& rect, std::span<float> pixels, RenderStats& stats) const {
   SL_CHECK(int64_t(pixels.size()) == (4 + outputs_.channels()) * rect.Area());
-  for (int y = 0; y < rect.height; y += kMaxLinePixels) {
-    for (int x = 0; x < rect.width; x += kMaxLinePixels) {
-      const TileRect part{rect.x + x, rect.y + y, std::min(kMaxLinePixels, rect.width - x),
-                          std::min(kMaxLinePixels, rect.height - y)};
+  const int most = kMaxLinePixels - (filter_ ? 2 * filter_->reach() : 0);
+  for (int y = 0; y < rect.height; y += most) {
+    for (int x = 0; x < rect.width; x += most) {
+      const TileRect part{rect.x + x, rect.y + y, std::min(most, rect.width - x),
+                          std::min(most, rect.height - y)};
       RenderPart(part, rect, pixels, stats);
     }
   }
@@ -75,8 +61,10 @@ void LineIntegrator::Render(const TileRect& rect, std::span<float> pixels, Rende
 void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                                 RenderStats& stats) const {
   StageTimer timer;
+  const int apron = filter_ ? filter_->reach() : 0;
+  const TileRect grown{part.x - apron, part.y - apron, part.width + 2 * apron, part.height + 2 * apron};
   std::vector<uint32_t> candidates;
-  bvh_->CollectVisible(part, candidates);
+  bvh_->CollectVisible(grown, candidates);
   timer.Lap(stats.cull_seconds);
 
   stats.candidate_triangles += int64_t(candidates.size());
@@ -86,12 +74,17 @@ void LineIntegrator::RenderPart(const TileRect& part, const TileRect& rect, std:
                  [this](uint32_t triangle) { return GuessOf(triangle); }, &tile_texels);
   if (!outputs_.empty()) film.KeepPairs();
   const int64_t lines_before = stats.lines, instants_before = stats.instants;
-  resolver_->Resolve({*frame_, required_traits_, part, candidates, this}, weights, &film, stats);
+  resolver_->Resolve({*frame_, required_traits_, grown, candidates, this, filter_ ? &*filter_ : nullptr},
+                     weights, &film, stats);
   timer.Lap(stats.resolve_seconds);
 
   const int64_t lines = stats.lines - lines_before;
   const double instants = lines > 0 ? double(stats.instants - instants_before) / double(lines) : 0;
-  ShadePixels(part, weights, film, instants, rect, pixels, stats);
+  if (filter_) {
+    SpreadPixels(part, weights, film, instants, rect, pixels, stats);
+  } else {
+    ShadePixels(part, weights, film, instants, rect, pixels, stats);
+  }
   timer.Lap(stats.shade_seconds);
 }
 
@@ -137,56 +130,85 @@ V3f LineIntegrator::GuessOf(uint32_t triangle) const {
   return shader_.ShadeInTheOpen(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
+Shaded LineIntegrator::ShadePair(const PixelPair& pair, TexelShader::Lately& lately,
+                                 RenderStats& stats) const {
+  const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
+  if (!traits.needs_position) return shader_.ShadeFully(pair.triangle, {}, {});
+  const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
+  return texels_.Shade(pair.triangle, at, pair.MiddleTime(), lately, stats);
+}
+
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
                                  double instants, const TileRect& rect, std::span<float> pixels,
                                  RenderStats& stats) const {
-  std::vector<Contribution> contributions;
+  PixelSum sum;
   std::vector<SeenPair> seen;
   TexelShader::Lately lately(shader_);
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
       // Shade each pair once.
-      contributions.clear();
+      sum.Clear();
       seen.clear();
-      uint64_t covered = 0;
       weights.ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
-        const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
-        covered += pair.weight;
-        Shaded shaded;
-        if (traits.needs_position) {
-          const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-          shaded = texels_.Shade(pair.triangle, at, pair.MiddleTime(), lately, stats);
-        } else {
-          shaded = shader_.ShadeFully(pair.triangle, {}, {});
-        }
-        contributions.push_back({pair.weight, shaded.radiance});
-        seen.push_back({pair, shaded.openness});
+        const Shaded shaded = ShadePair(pair, lately, stats);
+        sum.Add(pair.weight, shaded.radiance);
+        if (!outputs_.empty()) seen.push_back(outputs_.Look(pair, shaded.openness, stats));
       });
-      const std::array<double, 4>& film_sum = film.At(int64_t{y} * part.width + x);
-      covered += uint64_t(film_sum[3]);
-      SL_CHECK(covered <= weights.total());
-      stats.pairs += int64_t(contributions.size());
-
-      // Sum them in an order of their own, over the background, which is nothing.
-      std::sort(contributions.begin(), contributions.end(), CanonicalOrder);
-      double r = film_sum[0];
-      double g = film_sum[1];
-      double b = film_sum[2];
-      for (const Contribution& c : contributions) {
-        r += double(c.weight) * double(c.color.x);
-        g += double(c.weight) * double(c.color.y);
-        b += double(c.weight) * double(c.color.z);
-      }
-      const auto total = double(weights.total());
+      stats.pairs += int64_t(sum.count());
       const std::span<float> pixel = PixelOf(part, x, y, rect, pixels);
-      pixel[0] = float(r / total);
-      pixel[1] = float(g / total);
-      pixel[2] = float(b / total);
-      pixel[3] = float(double(covered) / total);
+      sum.Write(film.At(int64_t{y} * part.width + x), weights.total(), pixel);
       if (outputs_.empty()) continue;
       film.pairs().ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
-        seen.push_back({pair, std::nullopt});
+        seen.push_back(outputs_.Look(pair, std::nullopt, stats));
       });
+      outputs_.Write(seen, weights.total(), instants, pixel.subspan(4), stats);
+    }
+  }
+}
+
+void LineIntegrator::SpreadPixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
+                                  double instants, const TileRect& rect, std::span<float> pixels,
+                                  RenderStats& stats) const {
+  const int reach = filter_->reach();
+  const SpreadPairs::Grid grid{part.width + 2 * reach, part.height + 2 * reach, reach};
+  TexelShader::Lately lately(shader_);
+  std::vector<V3f> colors(weights.Count() + 1);
+  std::vector<SeenPair> looks(outputs_.empty() ? 0 : weights.Count() + 1);
+  const SpreadPairs apart(grid, weights);
+  apart.ForAll([&](uint32_t number, const PixelPair& pair) {
+    const Shaded shaded = ShadePair(pair, lately, stats);
+    colors[number] = shaded.radiance;
+    if (!outputs_.empty()) looks[number] = outputs_.Look(pair, shaded.openness, stats);
+    ++stats.pairs;
+  });
+  const SpreadPairs colored(grid, film.pairs());
+  std::vector<SeenPair> colored_looks;
+  if (!outputs_.empty()) {
+    colored_looks.resize(film.pairs().Count() + 1);
+    colored.ForAll([&](uint32_t number, const PixelPair& pair) {
+      colored_looks[number] = outputs_.Look(pair, std::nullopt, stats);
+    });
+  }
+
+  PixelSum sum;
+  std::vector<SeenPair> seen;
+  const auto see = [&](SeenPair look, uint64_t weight) {
+    look.weight = weight;
+    seen.push_back(look);
+  };
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x) {
+      sum.Clear();
+      seen.clear();
+      apart.ForReaching(x, y, [&](uint32_t number, uint64_t weight) {
+        sum.Add(weight, colors[number]);
+        if (!outputs_.empty()) see(looks[number], weight);
+      });
+      const std::span<float> pixel = PixelOf(part, x, y, rect, pixels);
+      sum.Write(film.At(grid.At(x + reach, y + reach)), weights.total(), pixel);
+      if (outputs_.empty()) continue;
+      colored.ForReaching(x, y,
+                          [&](uint32_t number, uint64_t weight) { see(colored_looks[number], weight); });
       outputs_.Write(seen, weights.total(), instants, pixel.subspan(4), stats);
     }
   }

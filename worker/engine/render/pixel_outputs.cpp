@@ -15,18 +15,9 @@ namespace {
 
 constexpr double kMidShutter = 0.5;
 
-/// What a pair adds to the AOVs.
-struct Sample {
-  uint64_t weight = 0;
-  double depth = 0;
-  V3d position{0, 0, 0}, normal{0, 0, 0}, albedo{0, 0, 0};
-  V2d motion{0, 0};
-  double open = 1;  ///< Ambient occlusion: the part of the surroundings that is seen.
-};
-
 /// An order that does not depend on how triangles are numbered, as far as sums can tell.
-bool SampleOrder(const Sample& a, const Sample& b) {
-  const auto key = [](const Sample& s) {
+bool OrderOfSums(const SeenPair& a, const SeenPair& b) {
+  const auto key = [](const SeenPair& s) {
     return std::tie(s.weight, s.depth, s.position.x, s.position.y, s.position.z, s.normal.x, s.normal.y,
                     s.normal.z, s.albedo.x, s.albedo.y, s.albedo.z, s.motion.x, s.motion.y, s.open);
   };
@@ -110,51 +101,56 @@ void PixelOutputs::Require(std::vector<PrimitiveTraits>& traits) const {
   for (PrimitiveTraits& of_primitive : traits) of_primitive.needs_position = true;
 }
 
-void PixelOutputs::Write(std::span<const SeenPair> pairs, uint64_t total, double instants,
-                         std::span<float> out, RenderStats& stats) const {
-  SL_CHECK(int(out.size()) == channels_);
+SeenPair PixelOutputs::Look(const PixelPair& pair, std::optional<float> openness, RenderStats& stats) const {
   const FrameScene& frame = shader_.frame();
-  std::vector<Sample> samples;
+  const FramePrimitive& primitive = frame.primitives[frame.triangles[pair.triangle].primitive];
+  SeenPair seen{.weight = pair.weight,
+                .object = primitive.node,
+                .material = int(primitive.material - frame.scene->materials.data())};
+  if (!needs_place_) return seen;
+
+  const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
+  const double t = pair.MiddleTime();
+  const V3d middle = frame.view.ViewFromRaster(PointAt(frame, pair.triangle, at, kMidShutter));
+  seen.depth = -middle.z;
+  seen.position = frame.view.world_position + frame.view.WorldFromView(middle);
+  if (Has(Aov::kMotion)) seen.motion = MotionOf(frame, pair.triangle, at);
+  if (Has(Aov::kAmbientOcclusion)) {
+    seen.open = double(openness ? *openness : texels_.Shade(pair.triangle, at, t, stats).openness);
+  }
+  if (!needs_surface_) return seen;
+  const Surface surface = shader_.SurfaceOf(pair.triangle, at, PixelFootprintAt(frame, pair.triangle, at, t));
+  seen.normal = frame.view.WorldFromView(surface.normal);
+  seen.albedo = surface.base_color;
+  return seen;
+}
+
+void PixelOutputs::Write(std::span<SeenPair> pairs, uint64_t total, double instants, std::span<float> out,
+                         RenderStats& stats) const {
+  SL_CHECK(int(out.size()) == channels_);
   std::vector<std::pair<int, uint64_t>> objects, materials;
   double nearest = std::numeric_limits<double>::infinity();
   uint64_t covered = 0;
-  for (const auto& [pair, openness] : pairs) {
+  for (const SeenPair& pair : pairs) {
     covered += pair.weight;
-    const FramePrimitive& primitive = frame.primitives[frame.triangles[pair.triangle].primitive];
-    objects.emplace_back(primitive.node, pair.weight);
-    materials.emplace_back(int(primitive.material - frame.scene->materials.data()), pair.weight);
-    if (!needs_place_) continue;
-
-    Sample& sample = samples.emplace_back();
-    sample.weight = pair.weight;
-    const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-    const double t = pair.MiddleTime();
-    const V3d middle = frame.view.ViewFromRaster(PointAt(frame, pair.triangle, at, kMidShutter));
-    sample.depth = -middle.z;
-    nearest = std::min(nearest, sample.depth);
-    sample.position = frame.view.world_position + frame.view.WorldFromView(middle);
-    if (Has(Aov::kMotion)) sample.motion = MotionOf(frame, pair.triangle, at);
-    if (Has(Aov::kAmbientOcclusion)) {
-      sample.open = double(openness ? *openness : texels_.Shade(pair.triangle, at, t, stats).openness);
-    }
-    if (!needs_surface_) continue;
-    const Surface surface =
-        shader_.SurfaceOf(pair.triangle, at, PixelFootprintAt(frame, pair.triangle, at, t));
-    sample.normal = frame.view.WorldFromView(surface.normal);
-    sample.albedo = surface.base_color;
+    objects.emplace_back(pair.object, pair.weight);
+    materials.emplace_back(pair.material, pair.weight);
+    if (needs_place_) nearest = std::min(nearest, pair.depth);
   }
 
-  std::sort(samples.begin(), samples.end(), SampleOrder);
-  Sample sum;
+  SeenPair sum;
   sum.open = 0;
-  for (const Sample& sample : samples) {
-    const auto weight = double(sample.weight);
-    sum.depth += weight * sample.depth;
-    sum.position += weight * sample.position;
-    sum.normal += weight * sample.normal;
-    sum.albedo += weight * sample.albedo;
-    sum.motion += weight * sample.motion;
-    sum.open += weight * sample.open;
+  if (needs_place_) {
+    std::sort(pairs.begin(), pairs.end(), OrderOfSums);
+    for (const SeenPair& pair : pairs) {
+      const auto weight = double(pair.weight);
+      sum.depth += weight * pair.depth;
+      sum.position += weight * pair.position;
+      sum.normal += weight * pair.normal;
+      sum.albedo += weight * pair.albedo;
+      sum.motion += weight * pair.motion;
+      sum.open += weight * pair.open;
+    }
   }
   // Places and directions are means over what is covered; light and colour fade with it.
   const double of_covered = covered > 0 ? 1 / double(covered) : 0;

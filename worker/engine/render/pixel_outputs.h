@@ -16,10 +16,14 @@
 
 namespace shutterline::engine {
 
-/// A triangle that is visible in a pixel, and what shading has found out about it already.
+/// What a triangle that is visible in a pixel adds to it.
 struct SeenPair {
-  PixelPair pair;
-  std::optional<float> openness;
+  uint64_t weight = 0;
+  int object = 0, material = 0;
+  double depth = 0;
+  V3d position{0, 0, 0}, normal{0, 0, 0}, albedo{0, 0, 0};
+  V2d motion{0, 0};
+  double open = 1;  ///< Ambient occlusion: the part of the surroundings that is seen.
 };
 
 /// What a pixel holds beside its colour: the AOVs and mattes that the settings ask for, made of the weights
@@ -37,10 +41,13 @@ class PixelOutputs {
   /// Makes resolvers tell what of visible triangles is needed.
   void Require(std::vector<PrimitiveTraits>& traits) const;
 
-  /// A pixel whose visible triangles are `pairs`, in any order; several may be of one triangle. `total`: the
-  /// weight of the whole pixel. `instants`: the number of instants of a line, on average. Writes channels()
-  /// floats.
-  void Write(std::span<const SeenPair> pairs, uint64_t total, double instants, std::span<float> out,
+  /// What outputs need of a pair, as far as they do. `openness`: what shading has found out about it already.
+  SeenPair Look(const PixelPair& pair, std::optional<float> openness, RenderStats& stats) const;
+
+  /// A pixel whose visible triangles are `pairs`, in any order, which is changed; several may be of one
+  /// triangle. `total`: the weight of the whole pixel. `instants`: the number of instants of a line, on
+  /// average. Writes channels() floats.
+  void Write(std::span<SeenPair> pairs, uint64_t total, double instants, std::span<float> out,
              RenderStats& stats) const;
 
  private:

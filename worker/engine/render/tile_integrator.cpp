@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "common/base/status_macros.h"
 #include "worker/engine/reference/embree_tracer.h"
 #include "worker/engine/reference/instant_tracer.h"
 #include "worker/engine/render/line_integrator.h"
@@ -14,6 +15,7 @@ namespace shutterline::engine {
 absl::StatusOr<std::unique_ptr<TileIntegrator>> MakeTileIntegrator(
     std::shared_ptr<const FrameScene> frame_scene, int frame, const RenderSettings& settings, int threads,
     std::shared_ptr<ShadingCache> cache) {
+  SL_RETURN_IF_ERROR(ValidateFilter(settings));
   const bool is_line = settings.integrator == IntegratorKind::kLine;
   if (!is_line && !(settings.aovs.empty() && settings.mattes.empty())) {
     return absl::UnimplementedError(

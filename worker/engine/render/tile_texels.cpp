@@ -118,6 +118,28 @@ void TileTexels::AddAlong(uint32_t prepared, const LinePosition& position, const
   }
 }
 
+void TileTexels::SpreadAlong(uint32_t prepared, const LinePosition& position, const Piece& piece,
+                             double weight, const LineSpread& spread, Color* sums_of_line) {
+  TexelBatch& batch = desk_->batch;
+  const TexelLevelsOfTriangle& levels = desk_->triangles[prepared].levels;
+  const int part_bits = kSubpixelBits - piece.parts_log2;
+  desk_->spreads.resize(TexelBatch::kMost);
+  const auto taps = size_t(spread.taps());
+  for (int32_t at = piece.begin; at < piece.end;) {
+    if (batch.count == TexelBatch::kMost) Finish();
+    taps_ = taps;
+    const auto next = int32_t(std::min<int64_t>(piece.end, ((int64_t{at} >> part_bits) + 1) << part_bits));
+    const double l = (double(at) + double(next)) * (0.5 / kSubpixelsPerPixel);
+    LineSpread::Weights& weights = desk_->spreads[batch.count];
+    spread.Along(at, next, weights);
+    for (size_t k = 0; k < taps; ++k) weights[k] *= weight;
+    desk_->wanted[batch.count] = {prepared, weight, &sums_of_line[size_t(at >> kSubpixelBits) * taps]};
+    batch.Add(position.at[0] + position.per_pixel[0] * l, position.at[1] + position.per_pixel[1] * l,
+              position.at[2] + position.per_pixel[2] * l, levels);
+    at = next;
+  }
+}
+
 Texel TileTexels::TexelOf(size_t k) const {
   const TexelBatch& batch = desk_->batch;
   return {.level1 = LevelOf(batch.columns[k]),
@@ -188,7 +210,28 @@ void TileTexels::Finish() {
   } else {
     for (size_t k = 0; k < batch.count; ++k) desk_->radiance[k] = ShadeWanted(k);
   }
-  for (size_t k = 0; k < batch.count; ++k) {
+  AddWanted();
+  batch.Clear();
+  taps_ = 0;
+}
+
+void TileTexels::AddWanted() {
+  const size_t count = desk_->batch.count;
+  if (taps_ != 0) {
+    for (size_t k = 0; k < count; ++k) {
+      const V3f& radiance = desk_->radiance[k];
+      for (size_t tap = 0; tap < taps_; ++tap) {
+        Color& sum = desk_->wanted[k].sum[tap];
+        const double weight = desk_->spreads[k][tap];
+        sum[0] += weight * double(radiance.x);
+        sum[1] += weight * double(radiance.y);
+        sum[2] += weight * double(radiance.z);
+        sum[3] += weight;
+      }
+    }
+    return;
+  }
+  for (size_t k = 0; k < count; ++k) {
     const TexelDesk::Wanted& wanted = desk_->wanted[k];
     const V3f& radiance = desk_->radiance[k];
     Color& sum = *wanted.sum;
@@ -197,7 +240,6 @@ void TileTexels::Finish() {
     sum[2] += wanted.weight * double(radiance.z);
     sum[3] += wanted.weight;
   }
-  batch.Clear();
 }
 
 }  // namespace shutterline::engine

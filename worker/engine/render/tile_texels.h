@@ -50,6 +50,8 @@ struct TexelDesk {
   TexelBatch::Array<V3f> radiance;
   TexelBatch::Array<TexelKey> keys;
   TexelBatch::Array<uint32_t> missed;  ///< Numbers of those that are not near.
+  /// Under a filter, what of each the columns around take; `weight` and the whole step's are not used then.
+  std::vector<LineSpread::Weights> spreads;
 };
 
 /// Desks of a frame that nobody uses at the moment. Thread-safe.
@@ -77,6 +79,8 @@ class TileTexels final : public PointColors {
   V3f At(uint32_t prepared, double b1, double b2) override;
   void AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
                 Color* sums_of_line) override;
+  void SpreadAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
+                   const LineSpread& spread, Color* sums_of_line) override;
   void Finish() override;
 
  private:
@@ -89,6 +93,7 @@ class TileTexels final : public PointColors {
   Texel TexelOf(size_t k) const;
   /// Without a cache.
   V3f ShadeWanted(size_t k);
+  void AddWanted();
 
   const TexelShader& shader_;
   TexelDesks& desks_;
@@ -97,6 +102,7 @@ class TileTexels final : public PointColors {
   TexelShader::Triangle last_;  ///< That was asked for.
   bool knows_last_ = false;
   size_t missed_ = 0;
+  size_t taps_ = 0;  ///< Of those that are wanted under a filter; 0: there is none.
 };
 
 }  // namespace shutterline::engine

@@ -17,15 +17,15 @@ constexpr int32_t kFirstBatchOfMany = 8;
 }  // namespace
 
 void ClassResolver::Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
-                            TileColors& colors, const AlphaSource* alpha, PairWeights& weights,
-                            RenderStats& stats) {
+                            TileColors& colors, const AlphaSource* alpha, const LineSpread* spread,
+                            PairWeights& weights, RenderStats& stats) {
   stats.lines += lines.rows();
   stats.instants += int64_t(instants.size()) * lines.rows();
   group_count_ = lines.groups.size();
   if (groups_.size() < group_count_) groups_.resize(group_count_);
   const GroupResolver::Plan plan = MakePlan(strata, lines);
   for (size_t g = 0; g < group_count_; ++g) {
-    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], plan, colors, alpha, stats);
+    groups_[g].Begin(strata.mesh(), lines, lines.groups[g], plan, colors, alpha, spread, stats);
   }
 
   still_.Begin(strata.still(), lines, 0.5);

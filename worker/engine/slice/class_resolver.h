@@ -14,9 +14,10 @@ namespace shutterline::engine {
 /// its memory; one per thread.
 class ClassResolver {
  public:
-  /// `instants`: the times at which what moves is resolved; each weighs 1.
+  /// `instants`: the times at which what moves is resolved; each weighs 1. `spread`: null without a filter.
   void Resolve(TileStrata& strata, const LineClass& lines, std::span<const double> instants,
-               TileColors& colors, const AlphaSource* alpha, PairWeights& weights, RenderStats& stats);
+               TileColors& colors, const AlphaSource* alpha, const LineSpread* spread, PairWeights& weights,
+               RenderStats& stats);
 
  private:
   static GroupResolver::Plan MakePlan(const TileStrata& strata, const LineClass& lines);

@@ -76,7 +76,7 @@ void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t
   }
   film.Reset(strata.mesh().rect().Area());
   const int64_t lines_before = stats.lines;
-  resolver_.Resolve(strata, lines, instants_, colors, alpha, no_pairs_, stats);
+  resolver_.Resolve(strata, lines, instants_, colors, alpha, nullptr, no_pairs_, stats);
   stats.lines = lines_before;  // Lines of the picture are counted, not those of the pilot.
   sums = film.sums();
 }

@@ -21,13 +21,14 @@ constexpr auto kOnce = [] {
 
 void GroupResolver::Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group,
                           const Plan& plan, TileColors& colors, const AlphaSource* alpha,
-                          RenderStats& stats) {
+                          const LineSpread* spread, RenderStats& stats) {
   mesh_ = &mesh;
   lines_ = &lines;
   group_ = &group;
   colors_ = &colors;
   stats_ = &stats;
-  sums_.Begin(mesh, lines, group, colors);
+  sums_.Begin(mesh, lines, group, colors, spread);
+  spreads_ = spread != nullptr;
 
   stretches_ = plan.stretches;
   first_batch_ = plan.first_batch;
@@ -224,13 +225,14 @@ bool GroupResolver::GatherLayers(const SegmentLists& layers, int lane, const Pla
   return !layers_of_lane_.empty();
 }
 
-void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
-                              const VisiblePieces& pieces, double t,
-                              const std::array<int64_t, kLanes>& weights, const Placers& placers) {
+template <bool kSpread>
+void GroupResolver::AddPiecesTo(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
+                                const VisiblePieces& pieces, double t,
+                                const std::array<int64_t, kLanes>& weights, const Placers& placers) {
   for (int lane = 0; lane < group_->lanes; ++lane) {
     const int64_t weight = weights[size_t(lane)];
     if ((lanes >> lane & 1) == 0 || weight == 0) continue;
-    sums_.BeginLane(lane, double(weight));
+    sums_.BeginLane<kSpread>(lane, double(weight));
     const bool is_layered = mesh_->has_layers() && GatherLayers(layers, lane, placers);
     pieces_of_lane_.clear();
     for (int32_t r = 0; r < pieces.rows; ++r) {
@@ -246,7 +248,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& lay
       const uint32_t index = lists.index[size_t(pieces.entry[at]) * kLanes + size_t(lane)];
       const ColorKind kind = colors_->KindOf(index);
       if (kind == ColorKind::kConstant) {
-        sums_.AddFlat(begin, end, index);
+        sums_.AddFlat<kSpread>(begin, end, index);
         if (!colors_->keeps_pairs()) continue;
       }
       const TileMeshTriangle& triangle = mesh_->triangles()[index];
@@ -264,7 +266,7 @@ void GroupResolver::AddPieces(const SegmentLists& lists, const SegmentLists& lay
     if (is_layered) {
       compositor_.Composite(layers_of_lane_, pieces_of_lane_, t, weight, lane, *colors_, sums_);
     }
-    sums_.EndLane();
+    sums_.EndLane<kSpread>();
   }
 }
 

@@ -39,9 +39,10 @@ class GroupResolver {
     }
   };
 
-  /// Begins a group of a class of a tile. `alpha` may be null, see LayerCompositor.
+  /// Begins a group of a class of a tile. `alpha` may be null, see LayerCompositor, and so may `spread`, see
+  /// LineSums.
   void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, const Plan& plan,
-             TileColors& colors, const AlphaSource* alpha, RenderStats& stats);
+             TileColors& colors, const AlphaSource* alpha, const LineSpread* spread, RenderStats& stats);
 
   /// The depth below which nothing can be seen anywhere on the lines.
   float hidden_everywhere() const { return hidden_everywhere_; }
@@ -78,7 +79,14 @@ class GroupResolver {
   void UpdateHiddenEverywhere();
   void AddPieces(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
                  const VisiblePieces& pieces, double t, const std::array<int64_t, kLanes>& weights,
-                 const Placers& placers);
+                 const Placers& placers) {
+    if (spreads_) return AddPiecesTo<true>(lists, layers, lanes, pieces, t, weights, placers);
+    AddPiecesTo<false>(lists, layers, lanes, pieces, t, weights, placers);
+  }
+  template <bool kSpread>
+  void AddPiecesTo(const SegmentLists& lists, const SegmentLists& layers, uint32_t lanes,
+                   const VisiblePieces& pieces, double t, const std::array<int64_t, kLanes>& weights,
+                   const Placers& placers);
   /// The part [begin, end) of an entry of a lane's list.
   LayerCompositor::Span SpanOf(const SegmentLists& lists, int lane, int32_t entry, int32_t begin, int32_t end,
                                const Placers& placers);
@@ -91,6 +99,7 @@ class GroupResolver {
   TileColors* colors_ = nullptr;
   RenderStats* stats_ = nullptr;
   LineSums sums_;
+  bool spreads_ = false;
 
   int stretches_ = 1;
   int32_t first_batch_ = 0;

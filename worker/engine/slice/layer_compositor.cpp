@@ -96,17 +96,18 @@ void LayerCompositor::CompositeOrdered(int32_t begin, int32_t end, const Span* b
 }
 
 void LayerCompositor::CompositeUncrossed(int32_t begin, int32_t end, const Span* behind) {
-  int64_t left = end - begin;
+  const int32_t length = end - begin;
+  int32_t left = length;
   for (const Span* surface : order_) {
     if (surface == behind) {
-      AddShare(begin, end, *behind, left);
+      AddShare(begin, end, *behind, {length - left, left});
       return;
     }
     const double alpha = AlphaOf(*surface, begin, end);
     if (!(alpha > 0)) continue;
-    const auto share = int64_t(std::lround(alpha * double(left)));
+    const auto share = int32_t(std::lround(alpha * double(left)));
     if (share == 0) continue;
-    AddShare(begin, end, *surface, share);
+    AddShare(begin, end, *surface, {length - left, share});
     left -= share;
     if (left == 0) return;
   }
@@ -156,14 +157,15 @@ void LayerCompositor::AddWhole(int32_t begin, int32_t end, const Span& piece) {
   }
 }
 
-void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& surface, int64_t share) {
+void LayerCompositor::AddShare(int32_t begin, int32_t end, const Span& surface,
+                               const LineSums::PieceShare& share) {
   const ColorKind kind = colors_->KindOf(surface.index);
   if (kind == ColorKind::kConstant) {
-    sums_->AddColorShare(begin, colors_->ColorOf(surface.index), double(instants_), share);
+    sums_->AddColorShare(begin, end, colors_->ColorOf(surface.index), double(instants_), share);
   }
   if (kind == ColorKind::kSmooth) {
     const TileColors::Color color = colors_->MeanColor(surface.index, surface.position, begin, end);
-    sums_->AddColorShare(begin, color, double(instants_), share);
+    sums_->AddColorShare(begin, end, color, double(instants_), share);
   }
   if (kind == ColorKind::kApart || colors_->keeps_pairs()) {
     sums_->AddApartShare(lane_, begin, end, surface.index, BinOf(surface), instants_, share,

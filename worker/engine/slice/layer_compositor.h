@@ -50,7 +50,7 @@ class LayerCompositor {
   double AlphaOf(const Span& layer, int32_t begin, int32_t end) const;
   double AlphaAt(const Span& layer, double x) const;
   void AddWhole(int32_t begin, int32_t end, const Span& piece);
-  void AddShare(int32_t begin, int32_t end, const Span& surface, int64_t share);
+  void AddShare(int32_t begin, int32_t end, const Span& surface, const LineSums::PieceShare& share);
   uint16_t BinOf(const Span& surface) const;
   bool IsNearer(const Span& a, const Span& b, int32_t x) const;
 

@@ -27,6 +27,7 @@ LineClass MakeClass(const LinePattern& pattern, const TileRect& rect, std::vecto
   LineClass c{.family = first.family,
               .axes = {.major_is_x = family.major_is_x, .slope = family.slope, .intercept = first.intercept},
               .instant_offset = first.instant_offset,
+              .lines_per_pixel = int(std::lround(1 / family.spacing)),
               .length = family.major_is_x ? rect.width : rect.height,
               .lines = std::move(lines)};
   c.pixels.resize(size_t(c.rows()) * size_t(c.length));

@@ -39,6 +39,7 @@ struct LineClass {
   int family = 0;
   LineAxes axes;
   double instant_offset = 0.5;
+  int lines_per_pixel = 1;      ///< Of the family.
   int length = 0;               ///< Of the tile along the major axis, pixels.
   std::vector<TileLine> lines;  ///< By row.
   std::vector<LineGroup> groups = {};

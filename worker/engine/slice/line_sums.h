@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/tolerance.h"
 #include "worker/engine/slice/line_class.h"
+#include "worker/engine/slice/spread_sums.h"
 #include "worker/engine/slice/tile_colors.h"
 #include "worker/engine/visibility/color_film.h"
 #include "worker/engine/visibility/pair_weights.h"
@@ -19,16 +21,23 @@ namespace shutterline::engine {
 /// gives the pixels' shares at the end. Smooth colours are
 /// integrated pixel by pixel. Coverage goes the same
 /// way, in integers. Other pieces are kept until the group is done, then gathered by triangle.
+///
+/// Under a filter that is wider than a pixel SpreadSums has the sums. What is called for every visible piece
+/// is a template of that, so that it costs nothing where there is none.
 class LineSums {
  public:
   using Color = TileColors::Color;
+  static constexpr int32_t kWhole = -1;
 
-  /// Begins a group of a class of a tile.
-  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, TileColors& colors);
+  /// Begins a group of a class of a tile. `spread`: null without a filter.
+  void Begin(const TileMesh& mesh, const LineClass& lines, const LineGroup& group, TileColors& colors,
+             const LineSpread* spread);
 
   /// Adds pieces of one lane in ascending order, which do not overlap: Begin, then pieces, then End.
   /// `weight` counts instants.
+  template <bool kSpread>
   void BeginLane(int lane, double weight) {
+    if constexpr (kSpread) spread_sums_.BeginLane(lane);
     sums_ = lane_sums_[size_t(lane)].data();
     shares_of_lane_ = lane_shares_[size_t(lane)].data();
     points_of_lane_ = lane_points_[size_t(lane)].data();
@@ -36,6 +45,7 @@ class LineSums {
     color_ = nullptr;
     end_ = 0;
   }
+  template <bool kSpread>
   void AddFlat(int32_t begin, int32_t end, uint32_t index) {
     const Color& color = colors_->ColorOf(index);
     if (color_ == &color && begin == end_) {
@@ -45,12 +55,12 @@ class LineSums {
     if (color_ != nullptr && begin == end_) {
       Color change;
       for (size_t c = 0; c < 4; ++c) change[c] = weight_ * (color[c] - (*color_)[c]);
-      Change(begin, change);
+      Change<kSpread>(begin, change);
     } else {
-      EndLane();
+      EndLane<kSpread>();
       Color change;
       for (size_t c = 0; c < 4; ++c) change[c] = weight_ * color[c];
-      Change(begin, change);
+      Change<kSpread>(begin, change);
     }
     color_ = &color;
     end_ = end;
@@ -64,34 +74,45 @@ class LineSums {
     const Color& color = colors_->ColorOf(index);
     Color change;
     for (size_t c = 0; c < 4; ++c) change[c] = weight * color[c];
-    Change(begin, change);
+    ChangeEither(begin, change);
     for (size_t c = 0; c < 4; ++c) change[c] = -change[c];
-    Change(end, change);
+    ChangeEither(end, change);
   }
+  template <bool kSpread>
   void EndLane() {
     if (color_ == nullptr) return;
     Color change;
     for (size_t c = 0; c < 4; ++c) change[c] = -weight_ * (*color_)[c];
-    Change(end_, change);
+    Change<kSpread>(end_, change);
     color_ = nullptr;
   }
 
-  /// Of a piece within one step, a share of `share` subpixels times `weight`: it is seen through others, or
-  /// lets others be seen.
-  void AddColorShare(int32_t begin, const Color& color, double weight, int64_t share) {
+  /// What is seen of a piece within one step, through others, or letting others be seen: so many of its
+  /// subpixels, counted in any order, from number `before` on. All shares of a piece take different ones.
+  struct PieceShare {
+    int32_t before = 0;
+    int32_t subpixels = kWhole;
+  };
+  /// Adds a share of a piece within one step, times `weight`.
+  void AddColorShare(int32_t begin, int32_t end, const Color& color, double weight, const PieceShare& part) {
+    if (spreads_) {
+      spread_sums_.AddShare(begin, end, part.before, part.before + part.subpixels, color, weight);
+      return;
+    }
+    const double share = part.subpixels;
     Color& sum = shares_of_lane_[begin >> kSubpixelBits];
-    for (size_t c = 0; c < 4; ++c) sum[c] += weight * double(share) * color[c];
+    for (size_t c = 0; c < 4; ++c) sum[c] += weight * share * color[c];
   }
 
   /// Adds a piece of a triangle that is kept apart, or, beside its colour, of one that goes to the film where
   /// that keeps pairs. `bin`: its part of the shutter.
   void AddApart(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
                 const LinePosition& position) {
-    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, kWhole, position});
+    apart_[size_t(lane)].push_back({begin, end, index, bin, weight, {}, position});
   }
   /// The same of a share of it, within one step.
   void AddApartShare(int lane, int32_t begin, int32_t end, uint32_t index, uint16_t bin, int64_t weight,
-                     int64_t share, const LinePosition& position) {
+                     const PieceShare& share, const LinePosition& position) {
     apart_[size_t(lane)].push_back({begin, end, index, bin, weight, share, position});
   }
 
@@ -99,13 +120,12 @@ class LineSums {
   void End(PairWeights& weights);
 
  private:
-  static constexpr int64_t kWhole = -1;
   struct Piece {
     int32_t begin, end;
     uint32_t index;
     uint16_t bin;
     int64_t weight;
-    int64_t share;  ///< Subpixels, or kWhole.
+    PieceShare share;
     LinePosition position;
   };
   /// Of one triangle (and bin) in a step of a line.
@@ -115,7 +135,22 @@ class LineSums {
   };
 
   /// From subpixel x on the line's colour is another.
+  template <bool kSpread>
   void Change(int32_t x, const Color& change) {
+    if constexpr (kSpread) {
+      spread_sums_.Change(x, change);
+    } else {
+      ChangeSteps(x, change);
+    }
+  }
+  void ChangeEither(int32_t x, const Color& change) {
+    if (spreads_) {
+      spread_sums_.Change(x, change);
+    } else {
+      ChangeSteps(x, change);
+    }
+  }
+  void ChangeSteps(int32_t x, const Color& change) {
     const int step = x >> kSubpixelBits;
     const double in_next = x & (kSubpixelsPerPixel - 1);
     const double in_this = kSubpixelsPerPixel - in_next;
@@ -126,8 +161,14 @@ class LineSums {
 
   void BeginPoints();
   void FlushColors(int lane);
+  template <bool kSpread>
   void FlushApart(int lane, PairWeights& weights);
+  template <bool kSpread>
   void FlushTriangle(int lane, uint32_t index, uint16_t bin, PairWeights& weights);
+  /// Adds what columns take of a part of a piece within a step.
+  void SpreadPart(const Piece& piece, int step, int32_t from, int32_t to);
+  /// Shares out a step's part of a pair among the pixels around it.
+  void SpreadPair(int row, int step, std::span<uint64_t> spread);
 
   const TileMesh* mesh_ = nullptr;
   const LineClass* lines_ = nullptr;
@@ -138,6 +179,8 @@ class LineSums {
   /// PointColors.
   std::array<std::array<Color, kMaxLinePixels + 2>, kLanes> lane_sums_;
   std::array<std::array<Color, kMaxLinePixels>, kLanes> lane_shares_, lane_points_;
+  bool spreads_ = false;  ///< There is a filter: spread_sums_ has the sums.
+  SpreadSums spread_sums_;
   bool has_points_ = false;  ///< lane_points_ means something.
   std::array<std::vector<Piece>, kLanes> apart_;
 
@@ -152,6 +195,7 @@ class LineSums {
   // Of FlushApart.
   std::vector<uint32_t> order_;
   std::array<Share, kMaxLinePixels> shares_;
+  std::array<std::array<uint64_t, PixelFilter::kMostTaps>, kMaxLinePixels> taps_{};
   int first_step_ = 0, last_step_ = -1;
 };
 

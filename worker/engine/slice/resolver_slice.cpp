@@ -1,7 +1,10 @@
 #include "worker/engine/slice/resolver_slice.h"
 
+#include <optional>
+
 #include "common/base/check.h"
 #include "common/math/tolerance.h"
+#include "worker/engine/visibility/line_spread.h"
 #include "worker/engine/visibility/time_samples.h"
 
 namespace shutterline::engine {
@@ -27,8 +30,15 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
   work->strata.Build(work->mesh);
   const Effort effort = effort_chooser_.Choose(work->strata, flat, tile.alpha, work->effort, stats);
   const auto line_weight = uint64_t(effort.instants) * uint64_t{kSubpixelsPerPixel};
-  weights.Reset(tile.rect.Area(), line_weight * uint64_t(effort.pattern->StepsPerPixel()));
-  if (flat != nullptr) flat->Reset(tile.rect.Area());
+  uint64_t total = line_weight * uint64_t(effort.pattern->StepsPerPixel());
+  std::optional<LineSpread> spread;
+  if (tile.filter != nullptr) {
+    spread.emplace(*tile.filter, effort.pattern->StepsPerPixel() / 2, effort.instants);
+    total = spread->PixelTotal();
+  }
+  const int taps = spread ? spread->taps() : 0;
+  weights.Reset(tile.rect.Area(), total, taps);
+  if (flat != nullptr) flat->Reset(tile.rect.Area(), taps);
   work->colors.Begin(work->mesh, flat);
   if (!work->mesh.triangles().empty()) {
     for (const LineClass& lines : work->lines.In(*effort.pattern, tile.rect)) {
@@ -37,8 +47,8 @@ void ResolverSlice::Resolve(const TileInput& tile, PairWeights& weights, ColorFi
         work->instants.push_back(
             shutter_.TimeOf(TimeSamples::InstantAt(i, effort.instants, lines.instant_offset)));
       }
-      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha, weights,
-                                   stats);
+      work->class_resolver.Resolve(work->strata, lines, work->instants, work->colors, tile.alpha,
+                                   spread ? &*spread : nullptr, weights, stats);
     }
   }
   const std::lock_guard lock(mutex_);

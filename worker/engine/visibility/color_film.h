@@ -42,9 +42,10 @@ class ColorFilm {
   void KeepPairs() { keeps_pairs_ = true; }
   bool keeps_pairs() const { return keeps_pairs_; }
 
-  void Reset(int64_t pixels) {
+  /// `taps`: as PairWeights::Reset.
+  void Reset(int64_t pixels, int taps = 0) {
     sums_.assign(size_t(pixels), {0, 0, 0, 0});
-    if (keeps_pairs_) pairs_.Reset(pixels, 0);
+    if (keeps_pairs_) pairs_.Reset(pixels, 0, taps);
   }
 
   std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }

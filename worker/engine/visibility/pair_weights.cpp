@@ -2,11 +2,13 @@
 
 namespace shutterline::engine {
 
-void PairWeights::Reset(int64_t pixels, uint64_t total) {
+void PairWeights::Reset(int64_t pixels, uint64_t total, int taps) {
   first_.assign(size_t(pixels), 0);
   length_.assign(size_t(pixels), 0);
   pairs_.resize(1);
   index_.clear();
+  spread_ = size_t(taps) * size_t(taps);
+  spreads_.assign(spread_, 0);
   total_ = total;
 }
 
@@ -29,6 +31,7 @@ uint32_t PairWeights::Append(int64_t pixel, const PixelPair& piece) {
   pairs_.push_back(
       {.triangle = piece.triangle, .bin = piece.bin, .bins_log2 = piece.bins_log2, .next = first});
   first = added;
+  if (spread_ != 0) spreads_.resize(spreads_.size() + spread_);
   uint32_t& length = length_[size_t(pixel)];
   ++length;
   if (length == kLongestSearch + 1) {
@@ -41,13 +44,14 @@ uint32_t PairWeights::Append(int64_t pixel, const PixelPair& piece) {
   return added;
 }
 
-void PairWeights::Add(int64_t pixel, const PixelPair& piece) {
+uint32_t PairWeights::Add(int64_t pixel, const PixelPair& piece) {
   uint32_t found = Find(pixel, piece);
   if (found == 0) found = Append(pixel, piece);
   PixelPair& pair = pairs_[found];
   pair.weight += piece.weight;
   pair.b1 += double(piece.weight) * piece.b1;
   pair.b2 += double(piece.weight) * piece.b2;
+  return found;
 }
 
 }  // namespace shutterline::engine

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -32,13 +33,25 @@ struct PixelPair {
 /// total() [design: prefer counting to measuring].
 class PairWeights {
  public:
-  /// Empties, for a tile of `pixels` pixels whose every pixel has the weight `total`.
-  void Reset(int64_t pixels, uint64_t total);
+  /// Empties, for a tile of `pixels` pixels whose every pixel has the weight `total`. `taps`: of the filter
+  /// that spreads pairs over the pixels around theirs; 0 where there is none.
+  void Reset(int64_t pixels, uint64_t total, int taps = 0);
 
   /// Adds a piece's weight to its pair; `piece.b1` and `piece.b2` are the barycentric coordinates of the
   /// piece's middle, not yet weighted (zeros where they are not wanted). `pixel` counts in rows within the
-  /// tile.
-  void Add(int64_t pixel, const PixelPair& piece);
+  /// tile. Returns the pair's number.
+  uint32_t Add(int64_t pixel, const PixelPair& piece);
+
+  /// Under a filter, what of total() the pixels around take of a pair: taps × taps of them in rows from the
+  /// top, the pair's own in the middle. They add up to no more than total() in any pixel; pairs' own weights
+  /// then say only how their positions were weighted.
+  std::span<uint64_t> SpreadOf(uint32_t number) { return {spreads_.data() + number * spread_, spread_}; }
+  std::span<const uint64_t> SpreadOf(uint32_t number) const {
+    return {spreads_.data() + number * spread_, spread_};
+  }
+  /// Of a pair that ForEach shows: 1 to Count().
+  uint32_t NumberOf(const PixelPair& pair) const { return uint32_t(&pair - pairs_.data()); }
+  uint32_t Count() const { return uint32_t(pairs_.size() - 1); }
 
   uint64_t total() const { return total_; }
 
@@ -61,6 +74,8 @@ class PairWeights {
   std::vector<PixelPair> pairs_;  // Entry 0 is unused.
   std::vector<uint32_t> length_;  // By pixel: its number of pairs.
   absl::flat_hash_map<std::tuple<int64_t, uint32_t, uint16_t>, uint32_t> index_;  // Of long lists.
+  std::vector<uint64_t> spreads_;                                                 // By pair, spread_ of each.
+  size_t spread_ = 0;
   uint64_t total_ = 0;
 };
 

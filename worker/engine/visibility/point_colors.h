@@ -6,6 +6,7 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/visibility/line_position.h"
+#include "worker/engine/visibility/line_spread.h"
 
 namespace shutterline::engine {
 
@@ -35,6 +36,9 @@ class PointColors {
   /// which it is called.
   virtual void AddAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
                         Color* sums_of_line) = 0;
+  /// The same under a filter: `sums_of_line` are by step and tap.
+  virtual void SpreadAlong(uint32_t prepared, const LinePosition& position, const Piece& piece, double weight,
+                           const LineSpread& spread, Color* sums_of_line) = 0;
   virtual void Finish() = 0;
 };
 
