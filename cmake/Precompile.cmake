@@ -22,7 +22,7 @@ function(precompile name)
   add_library(precompiled_${name} OBJECT "${source}")
   target_link_libraries(precompiled_${name} PRIVATE ${G_LIBS} shutterline_warnings)
   target_precompile_headers(precompiled_${name} PRIVATE ${G_HEADERS})
-  compile_for_sanitizers(precompiled_${name} ${name})  # As those who use it.
+  choose_optimization(precompiled_${name} ${name})  # As those who use it.
 endfunction()
 
 set(base_headers
@@ -61,7 +61,7 @@ function(use_precompiled target)
   else()
     set(group base)
   endif()
-  compile_for_sanitizers(${target} ${group})
+  choose_optimization(${target} ${group})
   if(TARGET precompiled_${group})
     target_precompile_headers(${target} REUSE_FROM precompiled_${group})
     if(group MATCHES "test")

@@ -9,12 +9,15 @@ if(SHUTTERLINE_SANITIZE)
 endif()
 
 # Under sanitizers the optimizer doubles the time to compile, and only the engine is slow without it: the groups of
-# precompiled headers that hold tests, services and clients do without.
-function(compile_for_sanitizers target group)
+# precompiled headers that hold tests, services and clients do without. The client, whose options are the most code
+# that there is and run once, is never worth more than a little of it.
+function(choose_optimization target group)
   if(group STREQUAL "base")
     return()
   endif()
   if(SHUTTERLINE_SANITIZE)
     target_compile_options(${target} PRIVATE -O0)
+  elseif(group STREQUAL "client")
+    target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
   endif()
 endfunction()
