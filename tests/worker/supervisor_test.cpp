@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/log.h"
+
 namespace shutterline::worker {
 namespace {
 
@@ -46,6 +48,7 @@ class Supervising {
       const rlimit no_cores{0, 0};
       setrlimit(RLIMIT_CORE, &no_cores);
       dup2(fds[1], STDERR_FILENO);
+      SetUpLog("test", "info").IgnoreError();
       _exit(Supervise(options, Table(), work));
     }
     close(fds[1]);
@@ -114,7 +117,7 @@ TEST(Supervisor, StartsAWorkerThatASignalEndsAgainAndTellsItHow) {
     }
     const WorkerExit& exit = s.exits[0];
     const bool told = s.exits.size() == 1 && exit.signal == SIGKILL && exit.boot_id != s.boot_id &&
-                      exit.log_tail == "first line\nlast words???[0m\nand a cut one\n" &&
+                      exit.log_tail == "first line\nlast words??[0m\nand a cut one\n" &&
                       exit.tiles == std::vector<TileAtHand>{{"job", 3, 7}};
     return told ? 42 : 1;
   });
