@@ -50,7 +50,7 @@ struct TexelDesk {
   TexelBatch::Array<V3f> radiance;
   TexelBatch::Array<TexelKey> keys;
   TexelBatch::Array<uint32_t> missed;  ///< Numbers of those that are not near.
-  /// Under a filter, what of each the columns around take; `weight` and the whole step's are not used then.
+  /// Under a filter, what the columns around take of each; `weight` is not used then.
   std::vector<LineSpread::Weights> spreads;
 };
 

@@ -51,7 +51,7 @@ class LineSpread {
   /// Across a line that lies in strip `strip` of its pixel's `lines`.
   uint32_t Across(int strip, int tap) const { return across_[size_t(strip)][size_t(tap)]; }
 
-  /// Of a family with its middle `minor` pixels from where pixels begin: the strip of the line.
+  /// The strip of a line that lies `within_pixel`, in [0, 1), of a pixel from its border.
   int StripOf(double within_pixel) const { return int(within_pixel * lines_); }
 
   /// The weight of all that a pixel may see on the lines of two families.
