@@ -177,7 +177,9 @@ absl::Status Coordinator::Impl::OpenStores() {
     return CheckSubmittedScene(spec, assets, cameras_, clock_, config_.scene_time, shelf_);
   };
   parts.camera = [this](const JobSpec& spec, AssetStore& assets, int frame) {
-    return cameras_.At(spec, assets, frame);
+    // After a restart the camera may have to be imported anew.
+    return WithinWorkLimit(clock_, config_.scene_time, absl::StrCat("load scene ", spec.scene.root_name),
+                           [&] { return cameras_.At(spec, assets, frame); });
   };
   parts.remove_log = [this](const std::string& job_id) { return logs_->Remove(job_id, config_.durability); };
   parts.matte_names = [](const JobSpec& spec, AssetStore& assets) {

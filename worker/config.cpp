@@ -20,7 +20,8 @@ that it holds and leave; a second signal ends it at once (its tiles then go to o
 is lost). The process that renders is a child of the one that is started: where it crashes, it is started
 again, and the coordinator is told the signal and the last lines of its log.
 
-Exit status: 0 left as told, 1 failed (refused by the coordinator, or tiles undelivered), 2 wrong usage.
+Exit status: 0 left as told, 1 failed (refused by the coordinator, or tiles undelivered), 2 wrong usage. Where
+the process that renders crashes after it was told to leave, so does this one, by the same signal.
 
   shutterline-worker --coordinator render-host:7400
   shutterline-worker --coordinator render-host:7400 --threads 8 --cache-dir /var/cache/shutterline

@@ -49,4 +49,14 @@ std::string ValidUtf8(absl::string_view text) {
   return valid;
 }
 
+std::string WithoutControls(std::string text) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = uint8_t(text[i]);
+    if ((byte < 0x20 && byte != '\n') || byte == 0x7f) text[i] = '?';
+    // C1, in two bytes. No other character has this first byte and so small a second one.
+    if (byte == 0xc2 && i + 1 < text.size() && uint8_t(text[i + 1]) < 0xa0) text[i] = text[i + 1] = '?';
+  }
+  return text;
+}
+
 }  // namespace shutterline

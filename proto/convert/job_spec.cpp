@@ -244,7 +244,9 @@ absl::StatusOr<RenderSettings> FromProto(const v1::RenderSettings& m, absl::stri
   SL_ASSIGN_OR_RETURN(s.integrator, In(kIntegrators, m.integrator(), field, "integrator"));
   SL_ASSIGN_OR_RETURN(s.pattern, In(kPatterns, m.pattern(), field, "pattern"));
   SL_ASSIGN_OR_RETURN(s.resolver, In(kResolvers, m.resolver(), field, "resolver"));
-  SL_ASSIGN_OR_RETURN(s.filter, In(kFilters, m.filter(), field, "filter"));
+  if (m.filter() != v1::FILTER_UNSPECIFIED) {  // As clients leave it that know of none.
+    SL_ASSIGN_OR_RETURN(s.filter, In(kFilters, m.filter(), field, "filter"));
+  }
   if (m.has_filter_radius()) s.filter_radius = m.filter_radius();
   SL_ASSIGN_OR_RETURN(s.lighting, In(kLightings, m.lighting(), field, "lighting"));
   s.ambient = {m.ambient_red(), m.ambient_green(), m.ambient_blue()};

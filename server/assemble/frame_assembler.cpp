@@ -59,9 +59,12 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 
   ExrMetadata metadata;
   metadata.frames_per_second = FrameRateOf(spec.render.fps);
-  SL_ASSIGN_OR_RETURN(const CameraMatrices camera, facts.camera());
-  metadata.world_to_camera = camera.world_to_camera;
-  metadata.world_to_ndc = camera.world_to_ndc;
+  if (const absl::StatusOr<CameraMatrices> camera = facts.camera(); camera.ok()) {
+    metadata.world_to_camera = camera->world_to_camera;
+    metadata.world_to_ndc = camera->world_to_ndc;
+  } else if (!absl::IsDeadlineExceeded(camera.status())) {  // A frame without them is better than none.
+    return camera.status();
+  }
   metadata.strings["shutterline:build"] = kBuildId;
   metadata.strings["shutterline:frame"] = absl::StrCat(spec.frames.Frame(key.second));
   metadata.strings["shutterline:scene"] = spec.scene.root_name;

@@ -162,6 +162,7 @@ class Farm {
   JobSnapshot Snapshot(const LiveJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckBlobs(const JobSpec& spec);
   std::shared_ptr<const BlobPins> PinBlobs(const JobSpec& spec);
+  absl::Status CheckNotRemoved(const std::string& request_id);
   absl::Status CheckWishes(const JobWishes& wishes) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// What the disk knows of a job that is to be taken up (farm_resume.cpp).
@@ -237,6 +238,7 @@ class Farm {
   WorkerEnd EndOf(const WorkerExit& exit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Adds what a supervisor has seen to what is known of a worker's death.
   void Testify(const WorkerHello& hello, const WorkerExit& exit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void LogExit(const WorkerHello& hello, const WorkerEnd& end) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void StoreEvidence(const JobPtr& job, int index, uint32_t tile) ABSL_LOCKS_EXCLUDED(control_mutex_, mutex_);
   void Revoke(const std::vector<EndedLease>& ended, const std::vector<DroppedTile>& dropped = {})
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -271,6 +273,8 @@ class Farm {
   std::map<std::string, bool> worker_notes_ ABSL_GUARDED_BY(mutex_);
   std::vector<Quarantined> buried_
       ABSL_GUARDED_BY(mutex_);  ///< What was quarantined when workers started anew.
+  /// Processes of workers (UUID, boot id) whose end is in the log, the latest last.
+  std::deque<std::pair<std::string, std::string>> logged_exits_ ABSL_GUARDED_BY(mutex_);
   std::vector<Quarantined> unstored_ ABSL_GUARDED_BY(mutex_);  ///< Quarantined, but the disk refused.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t last_seq_ ABSL_GUARDED_BY(mutex_);

@@ -153,6 +153,13 @@ absl::Status Farm::CheckWishes(const JobWishes& wishes) {
   return absl::OkStatus();
 }
 
+absl::Status Farm::CheckNotRemoved(const std::string& request_id) {
+  // A request that is repeated late does not bring back what it made.
+  const absl::StatusOr<RemovedJob> removed = parts_.store->FindRemovedRequest(request_id);
+  if (removed.ok()) return Annotate(WasRemoved(*removed), "request_id has been used");
+  return absl::IsNotFound(removed.status()) ? absl::OkStatus() : removed.status();
+}
+
 absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const JobSpec& spec,
                                          const JobWishes& wishes) {
   if (request_id.empty() || request_id.size() > kMaxRequestIdBytes) {
@@ -165,11 +172,7 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
     return Get(before->id);
   }
   if (!absl::IsNotFound(before.status())) return before.status();
-  // A request that is repeated late does not bring back what it made.
-  const absl::StatusOr<RemovedJob> removed = parts_.store->FindRemovedRequest(request_id);
-  if (removed.ok()) return Annotate(WasRemoved(*removed), "request_id has been used");
-  if (!absl::IsNotFound(removed.status())) return removed.status();
-
+  SL_RETURN_IF_ERROR(CheckNotRemoved(request_id));
   SL_RETURN_IF_ERROR(CheckWishes(wishes));
   std::shared_ptr<const BlobPins> blobs = PinBlobs(spec);  // First: what is seen stays.
   SL_RETURN_IF_ERROR(CheckBlobs(spec));
@@ -183,6 +186,7 @@ absl::StatusOr<JobSnapshot> Farm::Submit(const std::string& request_id, const Jo
     absl::MutexLock lock(&mutex_);
     if (other->state() != JobState::kSucceeded) waits_for.push_back(id);
   }
+  SL_RETURN_IF_ERROR(CheckNotRemoved(request_id));  // Again: the import may have taken minutes.
   SL_ASSIGN_OR_RETURN(const JobStore::Created created,
                       parts_.store->Create(request_id, spec, wishes, parts_.clock->Wall()));
   if (!created.is_new && !SameBody(created.job, spec, wishes)) return OtherBody(created.job);

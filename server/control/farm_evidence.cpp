@@ -11,6 +11,7 @@ namespace {
 
 constexpr absl::Duration kStoreAgain = absl::Seconds(1);
 constexpr size_t kLoggedTail = 500;
+constexpr size_t kLoggedExits = 1000;
 
 absl::string_view LastBytes(absl::string_view text, size_t count) {
   return text.size() <= count ? text : text.substr(text.size() - count);
@@ -31,14 +32,7 @@ WorkerEnd Farm::EndOf(const WorkerExit& exit) {
 
 void Farm::Testify(const WorkerHello& hello, const WorkerExit& exit) {
   const WorkerEnd end = EndOf(exit);
-  spdlog::warn("worker process died worker={} name={} signal={} tiles={} boot={}", LogValue(hello.uuid),
-               LogValue(hello.name), end.process.signal, end.tiles.size(), LogValue(exit.boot_id));
-  for (const TileName& tile : exit.tiles) {
-    if (FindLive(tile.job_id) == nullptr) continue;
-    spdlog::warn("worker process died at a tile job={} frame={} tile={} worker={} signal={} log_tail={}",
-                 tile.job_id, tile.frame, tile.tile, LogValue(hello.uuid), end.process.signal,
-                 LogValue(LastBytes(exit.log_tail, kLoggedTail)));
-  }
+  LogExit(hello, end);
   // Of tiles that are not done, of those whose quarantine is on its way to the disk, and of those on it.
   scheduler_.Testify(hello.uuid, end);
   for (std::vector<Quarantined>* tiles : {&buried_, &unstored_}) {
@@ -54,11 +48,33 @@ void Farm::Testify(const WorkerHello& hello, const WorkerExit& exit) {
   }
 }
 
+void Farm::LogExit(const WorkerHello& hello, const WorkerEnd& end) {
+  // Workers say it again each time they register.
+  std::pair<std::string, std::string> process(hello.uuid, end.process.boot_id);
+  if (std::find(logged_exits_.begin(), logged_exits_.end(), process) != logged_exits_.end()) return;
+  logged_exits_.push_back(std::move(process));
+  if (logged_exits_.size() > kLoggedExits) logged_exits_.pop_front();
+  spdlog::warn("worker process died worker={} name={} signal={} tiles={} boot={}", LogValue(hello.uuid),
+               LogValue(hello.name), end.process.signal, end.tiles.size(), LogValue(end.process.boot_id));
+  for (const WorkerEnd::Tile& at : end.tiles) {
+    // Jobs' logs hear of it where the worker held their tile, whatever it says.
+    const JobQueue* queue = scheduler_.Find(at.job);
+    if (queue == nullptr || !queue->Blames(at.frame, at.tile, hello.uuid, end.process.boot_id)) continue;
+    const LiveJob& job = *by_key_.at(at.job);
+    spdlog::warn("worker process died at a tile job={} frame={} tile={} worker={} signal={} log_tail={}",
+                 job.id(), job.spec()->frames.Frame(at.frame), at.tile, LogValue(hello.uuid),
+                 end.process.signal, LogValue(LastBytes(end.process.log_tail, kLoggedTail)));
+  }
+}
+
 void Farm::StoreEvidence(const JobPtr& job, int index, uint32_t tile) {
   absl::MutexLock control_lock(&control_mutex_);
   QuarantinedTile record;
   {
     absl::MutexLock lock(&mutex_);
+    // A retry has begun it anew, or it has been removed: the store holds nothing of it to add to.
+    const JobPtr live = FindLive(job->id());
+    if ((live != nullptr && live != job) || removed_.contains(job->key())) return;
     const auto found = job->quarantined().find({index, tile});
     if (found == job->quarantined().end()) return;  // Released meanwhile.
     record = found->second;

@@ -127,7 +127,10 @@ absl::Status Farm::RemoveDueJobs() {
       }
       const absl::Status status = RemoveLocked(job.key, job.id);
       if (absl::IsNotFound(status)) continue;  // Somebody else has just removed it.
-      SL_RETURN_IF_ERROR(status);
+      if (!status.ok()) {                      // Not in the way of the others.
+        spdlog::warn("old job could not be removed job={} reason={}", job.id, LogValue(status.message()));
+        continue;
+      }
       if (++removed == kPage) return absl::OkStatus();
     }
     if (page.size() < size_t(kPage)) return absl::OkStatus();

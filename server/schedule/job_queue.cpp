@@ -297,14 +297,22 @@ void JobQueue::Acquit(TroubleLog& log, const std::string& worker_uuid, const std
   if (of_it != log.evidence.rend()) log.evidence.erase(std::next(of_it).base());
 }
 
+bool JobQueue::Blames(int frame, uint32_t tile, const std::string& worker_uuid,
+                      const std::string& boot_id) const {
+  const TroubleLog* log = TroublesOf(frame, tile);
+  if (log == nullptr) return false;
+  const auto dead = log->dead.find(worker_uuid);
+  return dead != log->dead.end() && dead->second == boot_id;
+}
+
 void JobQueue::Testify(const std::string& worker_uuid, const ProcessEnd& end,
-                       absl::FunctionRef<bool(int frame, uint32_t tile)> was_at) {
+                       absl::FunctionRef<bool(int frame, uint32_t tile)> acquits) {
   for (int frame = 0; frame < frame_count(); ++frame) {
     Frame* f = Active(frame);
     if (f == nullptr) continue;
     for (auto& [tile, log] : f->troubles) {
       for (TileTrouble& trouble : log.evidence) end.AddTo(worker_uuid, trouble);
-      if (!f->quarantined.contains(tile) && !was_at(frame, tile)) Acquit(log, worker_uuid, end.boot_id);
+      if (!f->quarantined.contains(tile) && acquits(frame, tile)) Acquit(log, worker_uuid, end.boot_id);
     }
   }
 }

@@ -95,10 +95,12 @@ class JobQueue {
   const TroubleLog* TroublesOf(int frame, uint32_t tile) const;
   /// Notes a trouble with a tile that is not done.
   const TroubleLog& AddTrouble(int frame, uint32_t tile, TileTrouble trouble);
-  /// What is known by now of a process that ended goes to the troubles that it is held for. Where it turns
-  /// out that it was not at a tile, `was_at` says false, that tile is acquitted, unless it is quarantined.
+  /// Whether the tile is held for the end of this process.
+  bool Blames(int frame, uint32_t tile, const std::string& worker_uuid, const std::string& boot_id) const;
+  /// What is known by now of a process that ended goes to the troubles that it is held for. Tiles for which
+  /// `acquits` holds are held for it no longer, unless they are quarantined.
   void Testify(const std::string& worker_uuid, const ProcessEnd& end,
-               absl::FunctionRef<bool(int frame, uint32_t tile)> was_at);
+               absl::FunctionRef<bool(int frame, uint32_t tile)> acquits);
   /// The process lives: it did not end while it rendered anything.
   void Acquit(const std::string& worker_uuid, const std::string& boot_id);
 

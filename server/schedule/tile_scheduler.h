@@ -90,7 +90,8 @@ class TileScheduler {
   /// that is known. Returns what is quarantined now.
   std::vector<Quarantined> BuryWorker(WorkerId worker, const WorkerEnd* end = nullptr);
   /// What is known by now of a process that has been buried: it goes to the evidence of tiles that are not
-  /// done, and those that it was not at are acquitted.
+  /// done. Those that it was not at are acquitted, if it was at none, or one that it was at is held for it or
+  /// done: somebody must answer for a death, or a tile that kills all workers would be tried for ever.
   void Testify(const std::string& worker_uuid, const WorkerEnd& end);
   /// The worker's stream broke: unless it is back within the grace, Expire buries it.
   void LoseWorker(WorkerId worker);

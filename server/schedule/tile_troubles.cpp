@@ -72,8 +72,8 @@ void TileScheduler::Blame(const Worker& worker, const std::string& reason, const
            other.boot_id == worker.boot_id;
   });
   if (lives) return;
-  // Unless more is known: a worker renders its oldest leases, one a slot, each in order: the first unfinished
-  // tile of each may have killed it, no other can have.
+  // Unless more is known: a worker mostly renders its oldest leases, one a slot, each in order, so the first
+  // unfinished tile of each may have killed it. (It passes over frames that are being made ready.)
   int slot = 0;
   for (const auto& [id, lease] : worker.leases) {
     if (end == nullptr && slot++ == worker.slots) break;
@@ -103,9 +103,16 @@ void TileScheduler::BlameTile(const Worker& worker, const Lease& lease, uint32_t
 }
 
 void TileScheduler::Testify(const std::string& worker_uuid, const WorkerEnd& end) {
+  const bool acquits =
+      end.tiles.empty() || std::any_of(end.tiles.begin(), end.tiles.end(), [&](const WorkerEnd::Tile& at) {
+        const JobQueue* queue = Find(at.job);
+        return queue == nullptr || !queue->Contains(at.frame, at.tile) || queue->IsDone(at.frame, at.tile) ||
+               queue->Blames(at.frame, at.tile, worker_uuid, end.process.boot_id);
+      });
   for (auto& [key, job] : jobs_) {
-    job.queue->Testify(worker_uuid, end.process,
-                       [&, key = key](int frame, uint32_t tile) { return end.WasAt(key, frame, tile); });
+    job.queue->Testify(worker_uuid, end.process, [&, key = key](int frame, uint32_t tile) {
+      return acquits && !end.WasAt(key, frame, tile);
+    });
   }
 }
 

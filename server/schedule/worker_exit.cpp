@@ -3,9 +3,10 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/string_view.h>
 
-#include <algorithm>
 #include <csignal>
 #include <utility>
+
+#include "common/base/utf8.h"
 
 namespace shutterline::server {
 namespace {
@@ -14,10 +15,6 @@ constexpr size_t kMaxIdBytes = 256, kMaxTailBytes = 16 << 10, kMaxTiles = 4096;
 
 absl::Status Refused(absl::string_view field, absl::string_view reason) {
   return absl::InvalidArgumentError(absl::StrCat("exits: ", field, " ", reason));
-}
-
-bool IsControl(char c) {
-  return (uint8_t(c) < 0x20 && c != '\n') || c == 0x7f;
 }
 
 }  // namespace
@@ -32,7 +29,7 @@ absl::Status Validate(const WorkerExit& exit) {
     return Refused("log_tail", absl::StrCat("has ", exit.log_tail.size(), " bytes, but at most ",
                                             kMaxTailBytes, " may be"));
   }
-  if (std::any_of(exit.log_tail.begin(), exit.log_tail.end(), IsControl)) {
+  if (WithoutControls(exit.log_tail) != exit.log_tail) {
     return Refused("log_tail", "has control characters");
   }
   if (exit.tiles.size() > kMaxTiles) {

@@ -123,7 +123,7 @@ TEST(ConvertJobSpecTest, HostileMessagesAreRefusedByFieldName) {
          [](v1::JobSpec& s) { s.mutable_render()->set_resolver(v1::Resolver(9)); });
   expect("render.pattern: value -1",
          [](v1::JobSpec& s) { s.mutable_render()->set_pattern(v1::Pattern(-1)); });
-  expect("render.filter: is not specified", [](v1::JobSpec& s) { s.mutable_render()->clear_filter(); });
+  expect("render.filter: value 9", [](v1::JobSpec& s) { s.mutable_render()->set_filter(v1::Filter(9)); });
   expect("filter_radius", [&](v1::JobSpec& s) { s.mutable_render()->set_filter_radius(nan); });
   expect("output.pixel_type", [](v1::JobSpec& s) { s.clear_output(); });
   expect("output.compression: value 5",

@@ -31,10 +31,7 @@ void LogTail::Clear() {
 std::string LogTail::Text() const {
   std::string text;
   for (const std::string& line : lines_) {
-    std::string clean = ValidUtf8(line);
-    std::replace_if(
-        clean.begin(), clean.end(), [](char c) { return uint8_t(c) < 0x20 || c == 0x7f; }, '?');
-    text += clean + '\n';
+    text += WithoutControls(ValidUtf8(line)) + '\n';
   }
   return text;
 }

@@ -99,6 +99,8 @@ class Supervisor {
     for (const int signal : {SIGTERM, SIGINT, SIGCHLD}) sigaddset(&signals, signal);
     sigprocmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGCHLD,
+                SIG_DFL);  // Ignored, as some launchers leave it, it would not tell of a child's end.
     signals_ = Descriptor(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
     return signals_.get() < 0 ? absl::ErrnoToStatus(errno, "signalfd") : absl::OkStatus();
   }

@@ -27,5 +27,14 @@ TEST(Utf8, WhatIsNoCharacterIsReplaced) {
   EXPECT_EQ(ValidUtf8(std::string("a\0b", 3)), std::string("a\0b", 3));
 }
 
+TEST(Utf8, WithoutControlsNothingSteersATerminal) {
+  EXPECT_EQ(WithoutControls("a\x1b[31mb\n\x7f"), "a?[31mb\n?");
+  EXPECT_EQ(WithoutControls("\xc2\x9b"
+                            "31m, \xc2\x80, \xc2\x9f"),
+            "??31m, ??, ??");
+  EXPECT_EQ(WithoutControls("\xc2\xa0\xc3\x82\xe2\x82\xac"), "\xc2\xa0\xc3\x82\xe2\x82\xac")
+      << "what is printed stays";
+}
+
 }  // namespace
 }  // namespace shutterline

@@ -339,6 +339,24 @@ TEST_F(TileSchedulerTest, LateWordAcquitsWhatAProcessWasNotAt) {
   }
 }
 
+TEST_F(TileSchedulerTest, LateWordOfATileThatNobodyHoldsForTheDeathAcquitsNone) {
+  scheduler_.AddJob(1, 1, 8, 8);
+  scheduler_.AddJob(2, 1, 1, 1);
+  scheduler_.AddWorker(1, "w", 1, "boot 1");
+  const Lease lease = *scheduler_.Grant(1);
+  scheduler_.LoseWorker(1);
+  clock_.Advance(absl::Seconds(1));
+  scheduler_.Expire();
+  const JobQueue& queue = *scheduler_.Find(1);
+  const WorkerEnd end{{"boot 1", "SIGSEGV", ""}, {{2, 0, 0}}};
+  scheduler_.Testify("w", end);
+  EXPECT_TRUE(queue.TroublesOf(0, lease.tiles[0])->suspect()) << "who else is to answer for it?";
+  scheduler_.AddWorker(2, "v", 1);
+  scheduler_.Complete(2, 0, 0, 2, absl::Milliseconds(1));
+  scheduler_.Testify("w", end);
+  EXPECT_FALSE(queue.TroublesOf(0, lease.tiles[0])->suspect()) << "the other tile does not kill workers";
+}
+
 TEST_F(TileSchedulerTest, RemovedJobEndsItsLeasesAndIgnoresResults) {
   scheduler_.AddJob(1, 1, 1, 1);
   scheduler_.AddWorker(1, "a", 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 #include <utility>
 
 #include "common/math/tolerance.h"
@@ -40,7 +41,10 @@ std::unique_ptr<TexelDesk> TexelDesks::Take() {
 
 void TexelDesks::Give(std::unique_ptr<TexelDesk> desk) {
   const std::lock_guard lock(mutex_);
-  free_.push_back(std::move(desk));
+  try {
+    free_.push_back(std::move(desk));
+  } catch (const std::bad_alloc&) {  // The next tile makes itself another.
+  }
 }
 
 TileTexels::TileTexels(const TexelShader& shader, TexelDesks& desks, RenderStats& stats)
@@ -48,6 +52,7 @@ TileTexels::TileTexels(const TexelShader& shader, TexelDesks& desks, RenderStats
   desk_->number_of.clear();
   desk_->triangles.clear();
   desk_->even.clear();
+  desk_->batch.Clear();  // A tile that ran out of memory leaves points that it will not ask for.
 }
 
 const TexelShader::Triangle& TileTexels::Known(uint32_t triangle) {

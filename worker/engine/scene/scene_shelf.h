@@ -20,7 +20,7 @@ class SceneShelf {
   void Put(const Digest& key, std::shared_ptr<const Scene> scene) {
     absl::MutexLock lock(&mutex_);
     key_ = key;
-    scene_ = std::move(scene);
+    scene_.swap(scene);  // The one that lay here is freed by the caller, without the lock.
   }
   /// Null where another scene lies here, or none.
   std::shared_ptr<const Scene> Take(const Digest& key) {

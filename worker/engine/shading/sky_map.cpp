@@ -8,6 +8,7 @@
 #include <cstring>
 #include <mutex>
 
+#include "common/base/work_limit.h"
 #include "common/math/unit_vector.h"
 #include "worker/engine/shading/ggx.h"
 #include "worker/engine/shading/half_vectors.h"
@@ -120,7 +121,11 @@ std::shared_ptr<const SkyMap> SkyMap::Of(const std::shared_ptr<const Environment
   static std::mutex mutex;
   static std::weak_ptr<const Environment> last;
   static std::shared_ptr<const SkyMap> sky_of_last;
-  const std::lock_guard lock(mutex);
+  std::unique_lock<std::mutex> lock(mutex, std::defer_lock);
+  {
+    const WorkPause others;  // Who makes the sky of another job is not this one's time.
+    lock.lock();
+  }
   if (last.lock() == environment && sky_of_last != nullptr) return sky_of_last;
   Level picture = Level::OfSize(environment->width, 0);
   std::copy(environment->texels.begin(), environment->texels.end(), picture.texels.begin());
