@@ -75,16 +75,16 @@ TEST(LeaseBoard, ALeaseGoesOnWithoutTilesThatAreRevoked) {
   const uint32_t five[] = {0, 1, 2, 3, 4}, one[] = {2};
   board.Grant(Job(), 1, 0, five);
   board.Grant(Job(), 2, 0, one);
-  const TileTask rendered = *board.Take(), under_way = *board.Take();
+  const TileTask rendered = Take(board), under_way = Take(board);
   board.Rendered(rendered);
   board.OnProgress([&] { ++progress; });
   const uint32_t revoked[] = {0, 1, 2, 4, 77};
   board.RevokeTiles(1, revoked);
   board.RevokeTiles(3, revoked);  // Not held.
   EXPECT_EQ(progress, 1);
-  const TileTask last = *board.Take();
+  const TileTask last = Take(board);
   EXPECT_EQ(last.tile, 3u) << "of the lease that lost the others";
-  EXPECT_EQ(board.Take()->tile, 2u) << "of the other lease";
+  EXPECT_EQ(Take(board).tile, 2u) << "of the other lease";
   board.Rendered(under_way);
   EXPECT_EQ(board.UnrenderedLeases(), 2u);
   board.Rendered(last);
@@ -100,7 +100,7 @@ TEST(LeaseBoard, ALeaseAllOfWhoseTilesAreRevokedIsOver) {
   LeaseBoard board;
   const uint32_t two[] = {0, 1};
   board.Grant(Job(), 1, 0, two);
-  const TileTask under_way = *board.Take();
+  const TileTask under_way = Take(board);
   board.RevokeTiles(1, two);
   EXPECT_EQ(board.UnrenderedLeases(), 0u);
   EXPECT_THAT(board.LiveLeases(), IsEmpty());
