@@ -148,19 +148,15 @@ void AddLightOptions(CLI::App& app, JobOptions& o) {
 
 void AddShadingOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* rate =
-      AddValue(app, "--shading-rate", "R", "1 for what moves",
-               "Shadings a pixel, along a side. Unless it is given, what\nstands still is shaded just where "
-               "it is seen",
-               [&](const std::string& t) {
-                 double value = 0;
-                 SL_RETURN_IF_ERROR(Store(
-                     ParseReal(t, kMinShadingRate, kMaxShadingRate,
+  auto* rate = AddValue(
+      app, "--shading-rate", "R", "1 for what moves",
+      "Shadings a pixel, along a side. Unless it is given, what\nstands still is shaded just where "
+      "it is seen",
+      [&](const std::string& t) {
+        return Store(ParseReal(t, kMinShadingRate, kMaxShadingRate,
                                absl::StrCat("a number from ", kMinShadingRate, " to ", kMaxShadingRate)),
-                     value));
-                 s.shading_rate = value;
-                 return absl::OkStatus();
-               });
+                     s.shading_rate);
+      });
   rate->group("Method");
   app.add_flag(
          "--cache-propagate", s.cache_propagate,
@@ -215,13 +211,10 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
       absl::StrCat("How far the filter reaches from a pixel's middle, ", kMinFilterRadius, " to\n",
                    kMaxFilterRadius, "; box 0.5, triangle 1, gaussian 1.5, blackman-harris 2"),
       [&](const std::string& t) {
-        double radius = 0;
-        SL_RETURN_IF_ERROR(Store(
+        return Store(
             ParseReal(t, kMinFilterRadius, kMaxFilterRadius,
                       absl::StrCat("a number of pixels from ", kMinFilterRadius, " to ", kMaxFilterRadius)),
-            radius));
-        s.filter_radius = radius;
-        return absl::OkStatus();
+            s.filter_radius);
       });
   auto* time_cells = AddValue(
       app, "--time-cells", "N", "4", absl::StrCat("paper: equal spans of the shutter, 1 to ", kMaxTimeCells),
@@ -232,31 +225,22 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
         o.time_step_given = true;
         return Store(ParseReal(t, 1e-3, 1e6, "a number of pixels from 0.001 to 1000000"), s.time_step);
       });
-  auto* time_samples =
-      AddValue(app, "--time-samples", "N", "by --target-error",
-               absl::StrCat("Exactly N instants on a line where something moves,\n1 to ", kMaxTimeSamples),
-               [&](const std::string& t) {
-                 int count = 0;
-                 SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxTimeSamples), count));
-                 s.time_samples = count;
-                 return absl::OkStatus();
-               });
-  auto* target_error =
-      AddValue(app, "--target-error", "E", absl::StrCat(kDefaultTargetError),
-               absl::StrCat("Error aimed at in each tile: RMS of linear values, ", kMinTargetError, "\nto ",
-                            kMaxTargetError,
-                            "; decides how many instants lines have, and how\nmany lines pixels have where "
-                            "nothing moves. Resolver\nslice alone"),
-               [&](const std::string& t) {
-                 double error = 0;
-                 SL_RETURN_IF_ERROR(Store(
-                     ParseReal(t, kMinTargetError, kMaxTargetError,
+  auto* time_samples = AddValue(
+      app, "--time-samples", "N", "by --target-error",
+      absl::StrCat("Exactly N instants on a line where something moves,\n1 to ", kMaxTimeSamples),
+      [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxTimeSamples), s.time_samples); });
+  auto* target_error = AddValue(
+      app, "--target-error", "E", absl::StrCat(kDefaultTargetError),
+      absl::StrCat("Error aimed at in each tile: RMS of linear values, ", kMinTargetError, "\nto ",
+                   kMaxTargetError,
+                   "; decides how many instants lines have, and how\nmany lines pixels have where "
+                   "nothing moves. Resolver\nslice alone"),
+      [&](const std::string& t) {
+        o.target_error_given = true;
+        return Store(ParseReal(t, kMinTargetError, kMaxTargetError,
                                absl::StrCat("a number from ", kMinTargetError, " to ", kMaxTargetError)),
-                     error));
-                 s.target_error = error;
-                 o.target_error_given = true;
-                 return absl::OkStatus();
-               });
+                     s.target_error);
+      });
   auto* spp =
       AddValue(app, "--spp", "N", "64", absl::StrCat("reference, stochastic: points a pixel, 1 to ", kMaxSpp),
                [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxSpp), s.spp); });
@@ -283,13 +267,9 @@ void AddMethodOptions(CLI::App& app, JobOptions& o) {
 
 void AddExperimentOptions(CLI::App& app, JobOptions& o) {
   RenderSettings& s = o.settings;
-  auto* degree = AddValue(app, "--motion-degree", "1|2|3", "as needed",
-                          "Motion curves of exactly this degree", [&](const std::string& t) {
-                            int value = 0;
-                            SL_RETURN_IF_ERROR(Store(ParseWhole(t, 1, kMaxMotionDegree), value));
-                            s.motion_degree = value;
-                            return absl::OkStatus();
-                          });
+  auto* degree = AddValue(
+      app, "--motion-degree", "1|2|3", "as needed", "Motion curves of exactly this degree",
+      [&](const std::string& t) { return Store(ParseWhole(t, 1, kMaxMotionDegree), s.motion_degree); });
   auto* pieces = AddValue(app, "--motion-pieces", "N", "as needed",
                           absl::StrCat("Motion curves in exactly N pieces of the shutter, a\npower of two "
                                        "from 1 to ",

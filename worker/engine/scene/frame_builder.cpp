@@ -17,6 +17,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/base/work_limit.h"
+#include "worker/engine/scene/limited_parallel.h"
 #include "worker/engine/scene/material_textures.h"
 #include "worker/engine/scene/scene_bounds.h"
 
@@ -26,17 +27,6 @@ namespace {
 /// Warnings name this many meshes whose motion misses their path, the worst first, and count the rest.
 constexpr size_t kNamedMeshes = 16;
 constexpr uint32_t kTaskSize = 1024;
-
-/// Calls `f(i)` for all `i` below `count`, in parallel, within the limit of who calls.
-template <typename F>
-void ForEach(size_t count, F f) {
-  const WorkLimit* const limit = WorkLimit::Current();
-  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-    CheckWork(limit);
-    const WorkLimitScope scope(limit);
-    f(i);
-  });
-}
 
 /// Calls `f(begin, end)`, in parallel, with parts of what is below `count`, within the limit of who calls.
 template <typename F>

@@ -1,7 +1,5 @@
 #include "worker/engine/scene/motion_fit.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "common/base/work_limit.h"
 #include "worker/engine/scene/curve_check.h"
+#include "worker/engine/scene/limited_parallel.h"
 
 namespace shutterline::engine {
 namespace {
@@ -20,17 +19,6 @@ constexpr size_t kCheckedKeys = 32;
 constexpr double kGoodEnough = 2;
 /// In no simple proportion to keys, so that nothing periodic hides from all check times.
 constexpr double kOddTime = 0.41421356;
-
-/// Calls `f(i)` for all `i` below `count`, in parallel, within the limit of who calls.
-template <typename F>
-void ForEachSearch(size_t count, F f) {
-  const WorkLimit* const limit = WorkLimit::Current();
-  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-    CheckWork(limit);
-    const WorkLimitScope scope(limit);
-    f(i);
-  });
-}
 
 }  // namespace
 
@@ -141,7 +129,7 @@ void MotionFitter::FindWhatMoves(const Moment& open, std::span<Search> searches)
   for (const double t : times) {
     const absl::StatusOr<Moment> moment = MomentAt(t);
     if (!moment.ok()) continue;
-    ForEachSearch(searches.size(), [&](size_t i) {
+    ForEach(searches.size(), [&](size_t i) {
       const Search& search = searches[i];
       std::vector<char>& moves = search.fitted->moves;
       if (std::all_of(moves.begin(), moves.end(), [](char m) { return m != 0; })) return;
@@ -196,7 +184,7 @@ bool MotionFitter::PoseKnots(const Candidate& candidate, std::span<Search*> sear
   for (int index = 0; index <= last; ++index) {
     const absl::StatusOr<Moment> moment = MomentAt(double(index) / last);
     if (!moment.ok()) return false;
-    ForEachSearch(searches.size(), [&](size_t i) {
+    ForEach(searches.size(), [&](size_t i) {
       searches[i]->knots.emplace_back(scene_, searches[i]->placed->node, moment->pose, moment->camera);
     });
   }
@@ -214,7 +202,7 @@ void MotionFitter::Check(const Candidate& candidate, bool all_vertices, bool sto
     if (all_failed && stop_early) return;
     const absl::StatusOr<Moment> moment = MomentAt(t);
     if (!moment.ok() || all_failed) continue;
-    ForEachSearch(searches.size(), [&](size_t i) {
+    ForEach(searches.size(), [&](size_t i) {
       Search& search = *searches[i];
       if (search.failed) return;
       const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
@@ -235,7 +223,7 @@ void MotionFitter::Measure(const Candidate& candidate, bool all_vertices, std::s
   for (const double t : CheckTimes(candidate)) {
     const absl::StatusOr<Moment> moment = MomentAt(t);
     if (!moment.ok()) continue;
-    ForEachSearch(searches.size(), [&](size_t i) {
+    ForEach(searches.size(), [&](size_t i) {
       Search& search = *searches[i];
       const MeshPose pose(scene_, search.placed->node, moment->pose, moment->camera);
       for (size_t k = 0; k < search.fitted->moves.size(); ++k) {
