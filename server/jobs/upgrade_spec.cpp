@@ -8,7 +8,6 @@ void UpgradeSpec(v1::JobSpec& spec) {
   if (render.reference_layout() == v1::REFERENCE_LAYOUT_UNSPECIFIED)
     render.set_reference_layout(v1::REFERENCE_LAYOUT_MOTION_BVH);
   if (render.time_cells() == 0) render.set_time_cells(4);
-  if (render.filter() == v1::FILTER_UNSPECIFIED) render.set_filter(v1::FILTER_BOX);
   if (render.lighting() == v1::LIGHTING_UNSPECIFIED) render.set_lighting(v1::LIGHTING_AUTO);
   if (render.matte_ranks() == 0) render.set_matte_ranks(6);
 }

@@ -15,6 +15,7 @@
 #include "worker/engine/shading/footprint.h"
 
 namespace shutterline::engine {
+
 absl::StatusOr<std::unique_ptr<TileIntegrator>> LineIntegrator::Create(
     std::shared_ptr<const FrameScene> frame, const RenderSettings& settings,
     std::shared_ptr<ShadingCache> cache, int threads) {
