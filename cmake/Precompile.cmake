@@ -3,8 +3,9 @@
 option(SHUTTERLINE_PRECOMPILE "Precompile the headers of libraries" ON)
 
 # ccache wants CCACHE_SLOPPINESS=pch_defines,time_macros beside this.
-if(SHUTTERLINE_PRECOMPILE AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  add_compile_options(-fpch-preprocess)
+if(SHUTTERLINE_PRECOMPILE AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
+  add_compile_options(
+    "$<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>" "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
 
 # Some libraries ask for it, and all sources of a group must agree.

@@ -73,6 +73,10 @@ absl::StatusOr<Image> DecodeExr(absl::string_view bytes, const std::string& name
 absl::StatusOr<Image> ReadExr(const std::string& path, ExrMetadata* metadata = nullptr,
                               const ExrLimits& limits = {});
 
+/// Lets `threads` threads compress what EncodeExr writes: one pool that the whole process shares. Without it,
+/// or with 0, the caller alone does. For a program's start: not thread-safe, and no encoding may be going on.
+void SetExrThreads(int threads);
+
 /// A tiled EXR of kTileSize × kTileSize tiles, one level, all the image's channels in one pixel type, but
 /// those that `exact` names, which are 32-bit floats in any case.
 ///

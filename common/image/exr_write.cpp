@@ -4,6 +4,7 @@
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <ImfTiledOutputFile.h>
 #include <absl/strings/str_cat.h>
 #include <half.h>
@@ -112,8 +113,9 @@ std::vector<StoredChannel> StoredChannelsOf(const Image& image, PixelType type,
   return stored;
 }
 
-/// Tiles are handed to the library a row at a time, in order and by one thread, so the order of their
-/// bytes is fixed and only one row is held in the file's pixel types.
+/// Tiles are handed to the library a row at a time, so only one row is held in the file's pixel types.
+/// However many threads compress, the library writes what they give in the order of tiles: their bytes are
+/// always the same.
 void WriteTiles(const Image& image, const std::vector<StoredChannel>& stored, Imf::TiledOutputFile& file) {
   const size_t width = size_t(image.width());
   const size_t pixel_bytes = stored.back().offset + stored.back().size();
@@ -143,6 +145,10 @@ FrameRate FrameRateOf(double fps) {
   return {rate.n, rate.d};
 }
 
+void SetExrThreads(int threads) {
+  Imf::setGlobalThreadCount(std::max(threads, 0));
+}
+
 absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& output,
                                       const ExrMetadata& metadata, std::span<const std::string> exact) {
   SL_RETURN_IF_ERROR(Annotate(CheckImage(image), "encode EXR"));
@@ -159,7 +165,7 @@ absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& 
 
     ExrMemoryOutput stream("memory");
     {
-      Imf::TiledOutputFile file(stream, header, /*numThreads=*/0);
+      Imf::TiledOutputFile file(stream, header, Imf::globalThreadCount());
       WriteTiles(image, stored, file);
     }  // The file is complete only once it is closed.
     if (stream.failed()) return absl::ResourceExhaustedError("encode EXR: out of memory");

@@ -4,7 +4,7 @@
 
 #include "proto/convert/status.h"
 
-namespace shutterline::client {
+namespace shutterline::client::chrome_trace_test {
 namespace {
 
 void AddTile(v1::FrameTrace& frame, uint32_t tile, uint64_t lease, int64_t granted_ms, int64_t received_ms,
@@ -89,4 +89,4 @@ TEST(ChromeTraceTest, AWorkerThatNobodyNamedIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::chrome_trace_test

@@ -11,7 +11,7 @@
 #include "client/commands.h"
 #include "client/options.h"
 
-namespace shutterline::client {
+namespace shutterline::client::command_line_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -304,4 +304,4 @@ TEST(Program, FarmCommandsAskForAServer) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::command_line_test

@@ -11,7 +11,7 @@
 #include "common/image/exr.h"
 #include "tests/client/temp_folder.h"
 
-namespace shutterline::client {
+namespace shutterline::client::compare_test {
 namespace {
 
 struct Outcome {
@@ -156,4 +156,4 @@ TEST(CompareProgram, WritesADifferencePicture) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::compare_test

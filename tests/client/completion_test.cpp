@@ -14,7 +14,7 @@
 #include "tests/client/temp_folder.h"
 #include "tests/support/process.h"
 
-namespace shutterline::client {
+namespace shutterline::client::completion_test {
 namespace {
 
 using testing::Contains;
@@ -151,4 +151,4 @@ TEST(CompletionWords, OnlyLiteralValuesAreOffered) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::completion_test

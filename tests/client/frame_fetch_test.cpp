@@ -11,7 +11,7 @@
 #include "tests/client/fake_farm.h"
 #include "tests/client/temp_folder.h"
 
-namespace shutterline::client {
+namespace shutterline::client::frame_fetch_test {
 namespace {
 
 constexpr char kJob[] = "0f8fad5b-d9cb-469f-a165-70867728950e";
@@ -130,4 +130,4 @@ TEST(PartFile, TwoWritersExcludeOneAnother) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::frame_fetch_test

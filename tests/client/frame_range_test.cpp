@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-namespace shutterline::client {
+namespace shutterline::client::frame_range_test {
 namespace {
 
 TEST(FrameRange, ReadsWhatPeopleWrite) {
@@ -77,4 +77,4 @@ TEST(FrameRange, EveryWrittenRangeIsReadBack) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::frame_range_test

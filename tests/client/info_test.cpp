@@ -9,7 +9,7 @@
 #include "client/commands.h"
 #include "tests/client/temp_folder.h"
 
-namespace shutterline::client {
+namespace shutterline::client::info_test {
 namespace {
 
 struct Outcome {
@@ -77,4 +77,4 @@ TEST(Info, NamesFileAndReasonOfWhatItRefuses) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::info_test

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace shutterline::client {
+namespace shutterline::client::job_log_test {
 namespace {
 
 using testing::ElementsAre;
@@ -52,4 +52,4 @@ TEST(LogFilter, WhereTextIsCutMakesNoDifference) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::job_log_test

@@ -13,7 +13,7 @@
 #include "tests/client/fake_farm.h"
 #include "tests/client/temp_folder.h"
 
-namespace shutterline::client {
+namespace shutterline::client::job_watch_test {
 namespace {
 
 constexpr char kJob[] = "0f8fad5b-d9cb-469f-a165-70867728950e";
@@ -191,4 +191,4 @@ TEST(JsonOutput, BytesThatAreNotUtf8DoNotBreakIt) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::job_watch_test

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace shutterline::client {
+namespace shutterline::client::json_output_test {
 namespace {
 
 std::string Documentation() {
@@ -63,4 +63,4 @@ TEST(JsonOutput, BytesThatAreNoTextDoNotBreakADocument) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::json_output_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace shutterline::client {
+namespace shutterline::client::output_path_test {
 namespace {
 
 std::string File(const char* pattern, int frame, int64_t count) {
@@ -48,4 +48,4 @@ TEST(OutputPath, DefaultAndPreview) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::output_path_test

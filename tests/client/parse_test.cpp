@@ -6,7 +6,7 @@
 #include "client/parse_outputs.h"
 #include "client/server_option.h"
 
-namespace shutterline::client {
+namespace shutterline::client::parse_test {
 namespace {
 
 TEST(Parse, NumbersAreWholeTexts) {
@@ -112,4 +112,4 @@ TEST(Human, ThreeDigitsAndNoControlCharacters) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::parse_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace shutterline::client {
+namespace shutterline::client::progress_test {
 namespace {
 
 class HandClock : public Clock {
@@ -129,4 +129,4 @@ TEST(Progress, SurvivesImpossibleFacts) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::progress_test

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace shutterline::client {
+namespace shutterline::client::retry_test {
 namespace {
 
 class HandClock : public Clock {
@@ -91,4 +91,4 @@ TEST(Interrupt, SignalsRaiseIt) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::retry_test

@@ -8,7 +8,7 @@
 
 #include "proto/convert/render_stats.h"
 
-namespace shutterline::client {
+namespace shutterline::client::stats_report_test {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(StatsReport, RefusesWhatCannotBeByFrameAndField) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::stats_report_test

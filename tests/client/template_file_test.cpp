@@ -7,7 +7,7 @@
 #include "client/options.h"
 #include "tests/client/temp_folder.h"
 
-namespace shutterline::client {
+namespace shutterline::client::template_file_test {
 namespace {
 
 using testing::AllOf;
@@ -123,4 +123,4 @@ TEST_F(TemplateFileTest, HostileFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::template_file_test

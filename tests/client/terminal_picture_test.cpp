@@ -5,7 +5,7 @@
 
 #include "common/image/png.h"
 
-namespace shutterline::client {
+namespace shutterline::client::terminal_picture_test {
 namespace {
 
 /// Characters that the row shows, without its colours.
@@ -125,4 +125,4 @@ TEST(TerminalPicture, AFrameOfOnePixelAndColoursThatAreNone) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::terminal_picture_test

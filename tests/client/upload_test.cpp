@@ -13,7 +13,7 @@
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/environment.h"
 
-namespace shutterline::client {
+namespace shutterline::client::upload_test {
 namespace {
 
 /// A scene of two buffers and a picture, which need not hold anything that can be drawn.
@@ -192,4 +192,4 @@ TEST(Upload, AFileThatChangesMeanwhileIsNamed) {
 }
 
 }  // namespace
-}  // namespace shutterline::client
+}  // namespace shutterline::client::upload_test

@@ -10,7 +10,7 @@
 #include "tests/stability/hard_case.h"
 #include "tests/support/rounds.h"
 
-namespace shutterline::engine::hard_case {
+namespace shutterline::engine::hard_case::closed_mesh_test {
 namespace {
 
 constexpr PatternKind kAllPatterns[] = {PatternKind::k1h1v, PatternKind::k2h2v,   PatternKind::k4h4v,
@@ -123,4 +123,4 @@ TEST_P(ClosedMeshes, Row21NoDoubleCover) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine::hard_case
+}  // namespace shutterline::engine::hard_case::closed_mesh_test

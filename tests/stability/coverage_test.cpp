@@ -8,7 +8,7 @@
 #include "tests/stability/hard_case.h"
 #include "tests/support/rounds.h"
 
-namespace shutterline::engine::hard_case {
+namespace shutterline::engine::hard_case::coverage_test {
 namespace {
 
 constexpr PatternKind kSymmetric[] = {PatternKind::k1h1v, PatternKind::k2h2v, PatternKind::k4h4v,
@@ -307,4 +307,4 @@ TEST_P(Coverage, Row42TouchesTheTileForAnInstant) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine::hard_case
+}  // namespace shutterline::engine::hard_case::coverage_test

@@ -6,7 +6,7 @@
 #include "tests/stability/hard_case.h"
 #include "tests/support/rounds.h"
 
-namespace shutterline::engine::hard_case {
+namespace shutterline::engine::hard_case::curved_motion_test {
 namespace {
 
 constexpr PatternKind kPatterns[] = {PatternKind::k2h2v, PatternKind::kRgls};
@@ -139,4 +139,4 @@ TEST_P(CurvedMotion, ClosedMeshesOnCurvesCoverExactly) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine::hard_case
+}  // namespace shutterline::engine::hard_case::curved_motion_test

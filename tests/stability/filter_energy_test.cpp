@@ -14,7 +14,7 @@
 #include "tests/support/render_tiles.h"
 #include "worker/engine/render/tile_integrator.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::filter_energy_test {
 namespace {
 
 constexpr int kSide = 96;  // Three tiles.
@@ -226,4 +226,4 @@ TEST(FilterEnergy, MattesAreFilteredAsThePictureIs) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::filter_energy_test

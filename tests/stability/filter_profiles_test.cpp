@@ -13,7 +13,7 @@
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/sampling/pixel_filter.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::filter_profiles_test {
 namespace {
 
 constexpr int kSide = 40;
@@ -194,4 +194,4 @@ TEST(FilterProfiles, LinesAgreeWithRays) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::filter_profiles_test

@@ -10,7 +10,7 @@
 #include "tests/support/rounds.h"
 #include "worker/engine/render/tile_integrator.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::layers_test {
 namespace {
 
 constexpr int kSide = 64;
@@ -220,4 +220,4 @@ TEST(Layers, TilesAgree) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::layers_test

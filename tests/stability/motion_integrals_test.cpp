@@ -8,7 +8,7 @@
 
 #include "tests/stability/hard_case.h"
 
-namespace shutterline::engine::hard_case {
+namespace shutterline::engine::hard_case::motion_integrals_test {
 namespace {
 
 /// The root mean square over seeds of the error with n instants, for a ladder of n, must fall at least as
@@ -262,4 +262,4 @@ TEST(MotionIntegrals, Row38BackInFrontForATenth) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine::hard_case
+}  // namespace shutterline::engine::hard_case::motion_integrals_test

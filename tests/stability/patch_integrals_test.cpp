@@ -7,7 +7,7 @@
 
 #include "tests/stability/hard_case.h"
 
-namespace shutterline::engine::hard_case {
+namespace shutterline::engine::hard_case::patch_integrals_test {
 namespace {
 
 /// Ends are rounded to 2^-24 px.
@@ -168,4 +168,4 @@ TEST(PatchIntegrals, Row38BackInFrontForATenth) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine::hard_case
+}  // namespace shutterline::engine::hard_case::patch_integrals_test

@@ -11,7 +11,7 @@
 #include "tests/support/render_tiles.h"
 #include "worker/engine/render/tile_integrator.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::pattern_limits_test {
 namespace {
 
 class PatternLimits : public testing::TestWithParam<ResolverKind> {
@@ -100,4 +100,4 @@ TEST_P(PatternLimits, Row43LinesOfSixteenThousandPixels) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::pattern_limits_test

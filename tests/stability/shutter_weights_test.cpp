@@ -7,7 +7,7 @@
 #include "tests/support/render_tiles.h"
 #include "worker/engine/render/tile_integrator.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::shutter_weights_test {
 namespace {
 
 class ShutterWeights : public testing::TestWithParam<IntegratorKind> {
@@ -79,4 +79,4 @@ TEST(ShutterWeightsOfRivals, AreRefused) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::shutter_weights_test

@@ -5,7 +5,7 @@ namespace shutterline {
 /// How many rounds of a random test to run: an eighth, and one at least, under a sanitizer, which looks at
 /// memory and needs no statistics, and takes ten times as long.
 constexpr int Rounds(int rounds) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SHUTTERLINE_SANITIZED
   return rounds < 8 ? 1 : rounds / 8;
 #else
   return rounds;

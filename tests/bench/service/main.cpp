@@ -24,6 +24,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 32))
       ->capture_default_str();
   app.add_option("--size", options.size, "overhead: of the frame")->capture_default_str();
+  app.add_option("--scene", options.scene, "overhead: which scene of shutterline-scenes")
+      ->capture_default_str();
   app.add_option("--repeats", options.repeats, "overhead: runs of each, of which the fastest counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

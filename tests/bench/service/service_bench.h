@@ -22,6 +22,7 @@ struct ServiceOptions {
   int tile_width = 32;           ///< Pixels: 32 makes tiles of 16 KiB, 8 of 4 KiB.
   int repeats = 3;               ///< Of `overhead`.
   std::string size = "640x360";  ///< Of `overhead`.
+  std::string scene = "debris";  ///< Of `overhead`: as `shutterline-scenes` names it.
   std::string durability;        ///< Only this one; empty: both.
 };
 

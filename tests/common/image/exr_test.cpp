@@ -87,6 +87,23 @@ TEST(Exr, IsTiledAndDeterministic) {
   EXPECT_EQ((*first)[tiles + 23], 32);
 }
 
+TEST(Exr, ThreadsChangeNoByte) {
+  const Image image = RandomImage(300, 200, 5);
+  for (const ExrCompression compression :
+       {ExrCompression::kNone, ExrCompression::kZip, ExrCompression::kPiz, ExrCompression::kDwaa}) {
+    SetExrThreads(0);
+    const auto alone = EncodeExr(image, {PixelType::kHalf, compression}, {});
+    ASSERT_TRUE(alone.ok()) << alone.status();
+    for (const int threads : {1, 3, 8}) {
+      SetExrThreads(threads);
+      const auto together = EncodeExr(image, {PixelType::kHalf, compression}, {});
+      ASSERT_TRUE(together.ok()) << together.status();
+      EXPECT_EQ(*alone, *together) << threads << " threads, compression " << int(compression);
+    }
+  }
+  SetExrThreads(0);
+}
+
 TEST(Exr, MetadataRoundTrip) {
   ExrMetadata metadata;
   metadata.pixel_aspect_ratio = 1.5f;

@@ -5,7 +5,7 @@
 
 #include "tests/engine/occlusion/occlusion_scene.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::closed_forms_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -168,4 +168,4 @@ TEST(AmbientOcclusion, RefusesSettingsOutOfTheirRange) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::closed_forms_test

@@ -8,7 +8,7 @@
 #include "tests/support/only_target.h"
 #include "tests/support/random_soup.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::invariance_test {
 namespace {
 
 constexpr OcclusionPattern kPatterns[] = {OcclusionPattern::kPole, OcclusionPattern::kTilted};
@@ -210,4 +210,4 @@ TEST(OcclusionInvariance, WhateverAFrameHoldsIsAShare) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::invariance_test

@@ -5,7 +5,7 @@
 
 #include "tests/engine/occlusion/occlusion_scene.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::motion_test {
 namespace {
 
 constexpr OcclusionPattern kPatterns[] = {OcclusionPattern::kPole, OcclusionPattern::kTilted};
@@ -115,4 +115,4 @@ TEST(OcclusionMotion, TheHemisphereTurnsWithTheTriangle) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::motion_test

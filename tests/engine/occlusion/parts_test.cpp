@@ -12,7 +12,7 @@
 #include "worker/engine/occlusion/line_measure.h"
 #include "worker/engine/occlusion/occluder_motion.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::parts_test {
 namespace {
 
 constexpr OcclusionPattern kPatterns[] = {OcclusionPattern::kPole, OcclusionPattern::kTilted};
@@ -160,4 +160,4 @@ TEST(OccluderMotion, BoxesHoldTrianglesAtAnyInstant) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::parts_test

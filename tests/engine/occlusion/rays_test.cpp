@@ -10,7 +10,7 @@
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/memory_asset_source.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::rays_test {
 namespace {
 
 std::shared_ptr<const FrameScene> Frame(const std::string& name) {
@@ -118,4 +118,4 @@ TEST(OcclusionAgainstRays, ShiftedLinesHaveNoBias) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::rays_test

@@ -8,7 +8,7 @@
 #include "worker/engine/scene/directory_asset_source.h"
 
 // Containers, buffers, URIs, extensions and limits.
-namespace shutterline::engine {
+namespace shutterline::engine::document_test {
 namespace {
 
 using nlohmann::json;
@@ -250,4 +250,4 @@ TEST(GltfLimits, SharingOneLargeAccessorManyTimesIsBounded) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::document_test

@@ -10,7 +10,7 @@
 #include "common/image/exr.h"
 #include "worker/engine/scene/memory_asset_source.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::environment_test {
 namespace {
 
 using testing::HasSubstr;
@@ -67,4 +67,4 @@ TEST(Environment, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::environment_test

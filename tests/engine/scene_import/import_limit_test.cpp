@@ -9,7 +9,7 @@
 #include "tests/engine/scene_import/import_helpers.h"
 #include "tests/support/ticking_clock.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::import_limit_test {
 namespace {
 
 /// Something of everything that a file may have much of.
@@ -80,4 +80,4 @@ TEST(ImportLimit, MemoryHasABoundWhateverTheFilesSize) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::import_limit_test

@@ -7,7 +7,7 @@
 #include "tests/engine/scene_import/import_helpers.h"
 
 // KHR_lights_punctual.
-namespace shutterline::engine {
+namespace shutterline::engine::light_test {
 namespace {
 
 using nlohmann::json;
@@ -110,4 +110,4 @@ TEST(GltfLight, NodesNameLightsThatExist) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::light_test

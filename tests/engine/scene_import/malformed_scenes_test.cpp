@@ -10,7 +10,7 @@
 #include "worker/engine/scene/gltf_import.h"
 
 // Broken files of other projects: each ends with a status that names file, element and reason.
-namespace shutterline::engine {
+namespace shutterline::engine::malformed_scenes_test {
 namespace {
 
 /// Words that the message must have, by the file's path below malformed/.
@@ -76,4 +76,4 @@ TEST(MalformedScenes, AreRefusedWithFileElementAndReason) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::malformed_scenes_test

@@ -8,7 +8,7 @@
 #include "tests/scenes/png_picture.h"
 #include "worker/engine/scene/material_textures.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::material_test {
 namespace {
 
 using nlohmann::json;
@@ -364,4 +364,4 @@ TEST(GltfMaterial, PixelsOfSixteenBitsCountTwice) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::material_test

@@ -6,7 +6,7 @@
 
 #include "tests/engine/scene_import/import_helpers.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::mesh_test {
 namespace {
 
 using testing::ElementsAre;
@@ -193,4 +193,4 @@ TEST(GltfMesh, UsesTheDefaultMaterialWhereAPrimitiveHasNone) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::mesh_test

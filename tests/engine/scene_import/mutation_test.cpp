@@ -11,7 +11,7 @@
 
 // Mutants of valid files either import to a scene that keeps the promises of scene.h, or fail with a
 // message. SHUTTERLINE_FUZZ_SEED starts elsewhere; tests/fuzz/gltf_fuzz runs longer.
-namespace shutterline::engine {
+namespace shutterline::engine::mutation_test {
 namespace {
 
 TEST(GltfMutation, SeedsImportWhole) {
@@ -50,4 +50,4 @@ TEST(GltfMutation, MutantsFailOrKeepTheScenesPromises) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::mutation_test

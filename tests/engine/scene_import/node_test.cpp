@@ -6,7 +6,7 @@
 #include "tests/engine/scene_import/import_helpers.h"
 
 // Nodes, skins, cameras and animations.
-namespace shutterline::engine {
+namespace shutterline::engine::node_test {
 namespace {
 
 using nlohmann::json;
@@ -227,4 +227,4 @@ TEST(GltfAnimation, LeavesOutWhatItCannotAnimateAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::node_test

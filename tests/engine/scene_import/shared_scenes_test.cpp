@@ -9,7 +9,7 @@
 #include "worker/engine/scene/tangent_space.h"
 
 // Real files that others made, held against the counts that their collection lists.
-namespace shutterline::engine {
+namespace shutterline::engine::shared_scenes_test {
 namespace {
 
 struct Expected {
@@ -132,4 +132,4 @@ TEST(SharedScenes, TangentsAgreeWithThoseThatFilesCarry) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::shared_scenes_test

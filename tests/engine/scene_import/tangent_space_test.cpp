@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace shutterline::engine {
+namespace shutterline::engine::tangent_space_test {
 namespace {
 
 /// A quad in the plane z = 0 with its front to +z, and texture coordinates by corner: bottom left, bottom
@@ -205,4 +205,4 @@ TEST(TangentSpace, ScaleChangesNothing) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::tangent_space_test

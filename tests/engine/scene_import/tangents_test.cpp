@@ -8,7 +8,7 @@
 #include "tests/scenes/png_picture.h"
 
 // Which primitives get tangents, and from where.
-namespace shutterline::engine {
+namespace shutterline::engine::tangents_test {
 namespace {
 
 using nlohmann::json;
@@ -143,4 +143,4 @@ TEST(GltfTangents, AreCheckedAndLimited) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::tangents_test

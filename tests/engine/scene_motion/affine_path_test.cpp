@@ -10,7 +10,7 @@
 #include "worker/engine/scene/mesh_pose.h"
 #include "worker/engine/scene/motion.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::affine_path_test {
 namespace {
 
 FrameView View(bool perspective) {
@@ -99,4 +99,4 @@ TEST(AffinePath, SaysNothingOfWhatReachesTheNearPlaneOrHasNoBounds) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::affine_path_test

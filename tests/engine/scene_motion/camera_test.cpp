@@ -10,7 +10,7 @@
 #include "worker/engine/scene/camera_pose.h"
 #include "worker/engine/scene/camera_select.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::camera_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -203,4 +203,4 @@ TEST(AutoCamera, StandsStillInEveryFrame) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::camera_test

@@ -6,7 +6,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::camera_track_test {
 namespace {
 
 constexpr int kFrame = 1;
@@ -80,4 +80,4 @@ TEST(CameraTrack, SaysWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::camera_track_test

@@ -9,7 +9,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::frame_light_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -147,4 +147,4 @@ TEST(FrameView, WorldAxesAreThoseOfMidShutter) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::frame_light_test

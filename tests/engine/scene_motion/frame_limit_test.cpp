@@ -7,7 +7,7 @@
 #include "tests/engine/scene_motion/scene_builder.h"
 #include "tests/support/ticking_clock.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::frame_limit_test {
 namespace {
 
 /// Meshes that jump about under a camera, or without one.
@@ -60,4 +60,4 @@ TEST(FrameLimit, EndsTheMakingOfAFrameWhereverItIs) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::frame_limit_test

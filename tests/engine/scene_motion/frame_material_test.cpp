@@ -9,7 +9,7 @@
 #include "worker/engine/scene/tangent_space.h"
 
 // What a frame has for shading: tangents in view space, pyramids.
-namespace shutterline::engine {
+namespace shutterline::engine::frame_material_test {
 namespace {
 
 /// A slope of two triangles with smooth normals, a picture on it and a normal texture.
@@ -233,4 +233,4 @@ TEST(FramePyramids, AreMadeForWhatIsDrawnInItsEncoding) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::frame_material_test

@@ -10,7 +10,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::frame_scene_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -302,4 +302,4 @@ TEST(FrameScene, BuiltTwiceIsBitIdentical) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::frame_scene_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace shutterline::engine {
+namespace shutterline::engine::keyframes_test {
 namespace {
 
 AnimationChannel Channel(AnimatedPath path, Interpolation interpolation, std::vector<float> times,
@@ -142,4 +142,4 @@ TEST(Keyframes, KeysComeOutExactly) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::keyframes_test

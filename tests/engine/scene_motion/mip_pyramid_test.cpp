@@ -8,7 +8,7 @@
 
 #include "worker/engine/scene/scene.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::mip_pyramid_test {
 namespace {
 
 using Texels = std::vector<std::array<uint16_t, 4>>;
@@ -112,4 +112,4 @@ TEST(MipPyramidCache, KeepsOneAnImageAndEncoding) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::mip_pyramid_test

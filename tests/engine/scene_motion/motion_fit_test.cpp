@@ -9,7 +9,7 @@
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/motion.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::motion_fit_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -330,4 +330,4 @@ TEST(MotionFit, LinearPiecesFollowTheCurve) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::motion_fit_test

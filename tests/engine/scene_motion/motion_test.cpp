@@ -6,7 +6,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::motion_test {
 namespace {
 
 RasterPoint RandomPoint(std::mt19937& random) {
@@ -58,4 +58,4 @@ TEST(PathError, IsThatOfTheRasterInFrontAndOfTheAngleBehind) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::motion_test

@@ -10,7 +10,7 @@
 #include "worker/engine/scene/mesh_pose.h"
 #include "worker/engine/scene/scene_bounds.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::pose_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -202,4 +202,4 @@ TEST(SceneBounds, CoverTheWholeAnimationAndOnlyWhatIsDrawn) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::pose_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/scene_motion/scene_builder.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::scene_info_test {
 namespace {
 
 TEST(SceneInfo, CountsWhatIsStoredAndWhatIsDrawn) {
@@ -101,4 +101,4 @@ TEST(FrameInfo, CountsByDegree) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::scene_info_test

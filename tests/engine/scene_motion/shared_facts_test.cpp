@@ -12,7 +12,7 @@
 #include "worker/engine/scene/frame_scene.h"
 #include "worker/engine/scene/scene_bounds.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::shared_facts_test {
 namespace {
 
 template <typename T>
@@ -123,4 +123,4 @@ TEST(SharedFacts, ACopyOfASceneFindsItsOwn) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::shared_facts_test

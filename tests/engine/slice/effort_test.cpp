@@ -12,7 +12,7 @@
 #include "tests/support/random_soup.h"
 #include "worker/engine/slice/resolver_slice.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::effort_test {
 namespace {
 
 constexpr TileRect kTile{0, 0, 32, 32};
@@ -157,4 +157,4 @@ TEST(Effort, NoMoreThanAnInstantEveryHalfPixelOfMotion) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::effort_test

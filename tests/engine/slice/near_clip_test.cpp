@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-namespace shutterline::engine {
+namespace shutterline::engine::near_clip_test {
 namespace {
 
 bool IsInside(const LineCorner& c, double far_depth, double slack) {
@@ -51,4 +51,4 @@ TEST(NearClip, CornersAreInsideAndNeighboursShareThem) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::near_clip_test

@@ -15,7 +15,7 @@
 #include "tests/support/scalar_resolver.h"
 #include "worker/engine/slice/resolver_slice.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::resolver_test {
 namespace {
 
 using Weights = std::map<std::pair<int64_t, uint32_t>, double>;
@@ -138,4 +138,4 @@ TEST(ResolverSlice, FilmAndPairsHoldTheSameCoverage) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::resolver_test

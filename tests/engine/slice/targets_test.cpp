@@ -15,7 +15,7 @@
 #include "worker/engine/slice/kernels.h"
 #include "worker/engine/slice/resolver_slice.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::targets_test {
 namespace {
 
 /// Everything that a resolver says of a tile.
@@ -80,4 +80,4 @@ TEST(Targets, AllGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::targets_test

@@ -12,7 +12,7 @@
 #include "tests/support/frame_scene_builder.h"
 #include "worker/engine/slice/moving_vertices.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::tile_mesh_test {
 namespace {
 
 /// Triangles that rest, move, bend in several pieces, pass the near and the far plane, and, where `reach` is
@@ -206,4 +206,4 @@ TEST(TileMesh, MotionFarOutsideCostsNothing) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::tile_mesh_test

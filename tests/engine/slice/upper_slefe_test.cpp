@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace shutterline::engine {
+namespace shutterline::engine::upper_slefe_test {
 namespace {
 
 constexpr size_t kCurves = 8;
@@ -63,4 +63,4 @@ TEST(UpperSlefe, LiesAboveTheCurveAndBelowTheHullOfItsControlPolygon) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::upper_slefe_test

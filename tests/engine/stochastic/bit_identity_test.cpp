@@ -4,7 +4,7 @@
 
 #include "tests/engine/stochastic/stochastic_test_util.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::bit_identity_test {
 namespace {
 
 constexpr int kSide = 72;  // Neither cells nor blocks divide it into equal parts.
@@ -78,4 +78,4 @@ TEST(StochasticIntegrator, SeedsAndFramesDiffer) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::bit_identity_test

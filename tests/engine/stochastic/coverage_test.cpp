@@ -7,7 +7,7 @@
 #include "tests/support/point_oracle.h"
 #include "worker/engine/stochastic/sample_keys.h"
 
-namespace shutterline::engine {
+namespace shutterline::engine::coverage_test {
 namespace {
 
 /// Integral of the ramp that rises from 0 to 1 over [0, 1] and stays there.
@@ -148,4 +148,4 @@ TEST(StochasticCoverage, LowerOfCoplanarDuplicatesIsSeen) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::coverage_test

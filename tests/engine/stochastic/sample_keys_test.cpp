@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-namespace shutterline::engine {
+namespace shutterline::engine::sample_keys_test {
 namespace {
 
 /// One point in every elementary box: a (0, m, 3)-net.
@@ -68,4 +68,4 @@ TEST(StratifiedPattern, DigitsBeginAnewUnderAnotherScrambling) {
 }
 
 }  // namespace
-}  // namespace shutterline::engine
+}  // namespace shutterline::engine::sample_keys_test
