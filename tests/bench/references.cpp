@@ -136,7 +136,7 @@ std::vector<std::vector<LineStep>> StepsOf(const engine::LinePattern& pattern,
 }
 
 /// Sums of one pixel's hits on one triangle.
-struct Pair {
+struct TriangleHits {
   uint32_t triangle;
   double hits, b1, b2, t;
 };
@@ -156,15 +156,16 @@ void ShadeHits(const PointProbe& probe, std::span<const ProbePoint> points, std:
 
 /// The same, every triangle shaded once.
 void ShadePairs(const PointProbe& probe, std::span<const ProbePoint> points, std::span<const ProbeHit> hits,
-                std::vector<Pair>& pairs, float* rgba) {
+                std::vector<TriangleHits>& pairs, float* rgba) {
   pairs.clear();
   for (size_t i = 0; i < hits.size(); ++i) {
     if (hits[i].hit) pairs.push_back({hits[i].triangle, 1, hits[i].b1, hits[i].b2, points[i].t});
   }
-  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.triangle < b.triangle; });
+  std::sort(pairs.begin(), pairs.end(),
+            [](const TriangleHits& a, const TriangleHits& b) { return a.triangle < b.triangle; });
   double sum[4] = {0, 0, 0, 0};
   for (size_t i = 0; i < pairs.size();) {
-    Pair mean = pairs[i];
+    TriangleHits mean = pairs[i];
     for (++i; i < pairs.size() && pairs[i].triangle == mean.triangle; ++i) {
       mean.hits += 1;
       mean.b1 += pairs[i].b1;
@@ -189,7 +190,7 @@ void RenderLineTile(const PointProbe& probe, const engine::LinePattern& pattern,
   const int per_step = std::max(1, spp / pattern.StepsPerPixel());
   std::vector<ProbePoint> points;
   std::vector<ProbeHit> hits;
-  std::vector<Pair> pairs;
+  std::vector<TriangleHits> pairs;
   for (int y = 0; y < rect.height; ++y) {
     for (int x = 0; x < rect.width; ++x, rgba += 4) {
       points.clear();

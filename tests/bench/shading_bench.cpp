@@ -69,24 +69,24 @@ void Draw(const FrameScene& frame, uint32_t triangle, int columns, int rows, std
   }
 }
 
-struct Prepared {
+struct PreparedShading {
   std::unique_ptr<const Shader> shader;
   std::vector<SeenPoint> points;
   std::vector<Footprint> footprints;
 };
 
-const Prepared& Prepare(int64_t shuffled) {
-  static std::unique_ptr<const Prepared> prepared[2];
+const PreparedShading& PrepareShading(int64_t shuffled) {
+  static std::unique_ptr<const PreparedShading> prepared[2];
   auto& slot = prepared[size_t(shuffled)];
   if (slot) return *slot;
-  slot = std::make_unique<const Prepared>([&] {
+  slot = std::make_unique<const PreparedShading>([&] {
     RenderSettings settings;
     scenes::SceneOptions options;
     options.textured = true;
     const auto glb = bench::OrExit(scenes::GenerateGlb("chess", options));
     const auto scene = bench::OrExit(ImportGltf(MemoryAssetSource("chess.glb", {{"chess.glb", glb}})));
     const auto frame = bench::OrExit(BuildFrameScene(scene, 0, settings));
-    Prepared p;
+    PreparedShading p;
     p.shader = std::make_unique<Shader>(bench::OrExit(Shader::Create(frame, settings)));
     const int columns = frame->view.width, rows = frame->view.height;
     std::vector<SeenPoint> picture(size_t(columns) * size_t(rows));
@@ -115,7 +115,7 @@ const Prepared& Prepare(int64_t shuffled) {
 /// Calls `shade(i)` for every point, over and over; times are those of one point.
 template <typename Shade>
 void ForPoints(benchmark::State& state, const Shade& shade) {
-  const size_t count = Prepare(state.range(0)).points.size();
+  const size_t count = PrepareShading(state.range(0)).points.size();
   size_t i = 0;
   for (auto _ : state) {
     shade(i);
@@ -125,7 +125,7 @@ void ForPoints(benchmark::State& state, const Shade& shade) {
 }
 
 void ShadePoint(benchmark::State& state) {
-  const Prepared& p = Prepare(state.range(0));
+  const PreparedShading& p = PrepareShading(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->ShadeFully(p.points[i].triangle, p.points[i].at, p.footprints[i]));
   });
@@ -134,7 +134,7 @@ BENCHMARK(ShadePoint)->Arg(0)->Arg(1);
 
 /// All of it but light.
 void SurfaceOfPoint(benchmark::State& state) {
-  const Prepared& p = Prepare(state.range(0));
+  const PreparedShading& p = PrepareShading(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, p.footprints[i]));
   });
@@ -143,7 +143,7 @@ BENCHMARK(SurfaceOfPoint)->Arg(0)->Arg(1);
 
 /// The same without a footprint: one bilinear look into each texture.
 void SurfaceOfPointMagnified(benchmark::State& state) {
-  const Prepared& p = Prepare(state.range(0));
+  const PreparedShading& p = PrepareShading(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(p.shader->SurfaceOf(p.points[i].triangle, p.points[i].at, {}));
   });
@@ -151,7 +151,7 @@ void SurfaceOfPointMagnified(benchmark::State& state) {
 BENCHMARK(SurfaceOfPointMagnified)->Arg(0)->Arg(1);
 
 void FootprintOfPoint(benchmark::State& state) {
-  const Prepared& p = Prepare(state.range(0));
+  const PreparedShading& p = PrepareShading(state.range(0));
   ForPoints(state, [&](size_t i) {
     benchmark::DoNotOptimize(
         PixelFootprintAt(p.shader->frame(), p.points[i].triangle, p.points[i].at, kMidShutter));
@@ -161,7 +161,7 @@ BENCHMARK(FootprintOfPoint)->Arg(0)->Arg(1);
 
 /// Of the scene's largest image.
 void MakePyramid(benchmark::State& state) {
-  const std::vector<TextureImage>& images = Prepare(0).shader->frame().scene->images;
+  const std::vector<TextureImage>& images = PrepareShading(0).shader->frame().scene->images;
   const auto largest = std::max_element(images.begin(), images.end(),
                                         [](const auto& a, const auto& b) { return a.width < b.width; });
   for (auto _ : state) benchmark::DoNotOptimize(MipPyramid(*largest, TextureEncoding::kSrgb));
