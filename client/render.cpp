@@ -12,12 +12,13 @@
 #include "common/base/log.h"
 #include "common/base/status_macros.h"
 #include "common/job/describe_settings.h"
+#include "worker/engine/shading/shading_cache.h"
 
 namespace shutterline::client {
 namespace {
 
 constexpr int kMaxThreads = 4096;
-constexpr int kDefaultCacheMb = 256;
+constexpr auto kDefaultCacheMb = int64_t{engine::kDefaultShadingCacheBytes >> 20};
 constexpr int64_t kMaxCacheMb = int64_t{1} << 24;
 
 class RenderCommand : public Command {

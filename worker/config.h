@@ -4,12 +4,10 @@
 #include <string>
 
 #include "common/base/dial_security.h"
+#include "worker/engine/shading/shading_cache.h"
 #include "worker/worker.h"
 
 namespace shutterline::worker {
-
-/// Of shadings. Memory is taken as it is filled.
-inline constexpr uint64_t kDefaultShadingCacheBytes = uint64_t{256} << 20;
 
 /// What the command line of shutterline-worker says.
 struct Config {
@@ -19,7 +17,7 @@ struct Config {
   WorkerOptions worker;
   uint64_t memory_bytes = 0;  ///< What the process may take; 0: what the machine gives.
   bool supervise = true;      ///< In a process of its own, started again where it dies.
-  uint64_t shading_cache_bytes = kDefaultShadingCacheBytes;  ///< 0: none.
+  uint64_t shading_cache_bytes = engine::kDefaultShadingCacheBytes;  ///< 0: none.
 };
 
 /// Reads the command line. Nothing where the program is to end at once, with `exit_code`: 0 after --help or

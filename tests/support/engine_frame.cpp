@@ -15,6 +15,7 @@
 #include "worker/engine/scene/directory_asset_source.h"
 #include "worker/engine/scene/gltf_import.h"
 #include "worker/engine/scene/memory_asset_source.h"
+#include "worker/engine/shading/shading_cache.h"
 #include "worker/engine/visibility/resolver.h"
 #include "worker/engine/visibility/tile_triangles.h"
 
@@ -74,8 +75,9 @@ absl::StatusOr<RenderedFrame> RenderFrame(std::shared_ptr<const Scene> scene, in
   result.warnings = frame_scene->warnings;
 
   start = std::chrono::steady_clock::now();
+  SL_ASSIGN_OR_RETURN(auto cache, ShadingCache::Create(kDefaultShadingCacheBytes));
   SL_ASSIGN_OR_RETURN(const auto integrator,
-                      MakeTileIntegrator(frame_scene, frame, settings, options.threads));
+                      MakeTileIntegrator(frame_scene, frame, settings, options.threads, std::move(cache)));
   result.times.build_seconds = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();

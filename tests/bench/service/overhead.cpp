@@ -42,7 +42,7 @@ Spent Measure(Work work) {
 absl::Status RenderBare(const std::string& scene_file, int width, int height, const std::string& output) {
   const auto source = engine::DirectoryAssetSource::Open(scene_file);
   if (!source.ok()) return source.status();
-  auto cache = engine::ShadingCache::Create(uint64_t{256} << 20);
+  auto cache = engine::ShadingCache::Create(engine::kDefaultShadingCacheBytes);
   if (!cache.ok()) return cache.status();
   worker::EngineFrameRendererFactory factory(*std::move(cache));
   const auto scene = factory.Import(**source);

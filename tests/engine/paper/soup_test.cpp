@@ -10,6 +10,7 @@
 
 #include "tests/support/frame_scene_builder.h"
 #include "tests/support/resolved_tile.h"
+#include "tests/support/rounds.h"
 #include "tests/support/scalar_resolver.h"
 #include "worker/engine/paper/resolver_paper.h"
 
@@ -20,7 +21,7 @@ namespace {
 /// minutes.
 int Soups() {
   const char* asked = std::getenv("SHUTTERLINE_SOUPS");
-  return asked != nullptr ? std::atoi(asked) : 200;
+  return asked != nullptr ? std::atoi(asked) : Rounds(200);
 }
 
 std::shared_ptr<const FrameScene> Soup(uint64_t seed, int count, double speed) {

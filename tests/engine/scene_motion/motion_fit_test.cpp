@@ -322,7 +322,7 @@ TEST(MotionFit, LinearPiecesFollowTheCurve) {
           const RasterPoint a = frame->VertexAt(primitive, v, double(piece) / pieces),
                             c = frame->VertexAt(primitive, v, double(piece + 1) / pieces);
           const double u = t * pieces - piece;
-          EXPECT_LE(PathErrorBetween(frame->view, curve, (1 - u) * a + u * c).pixels, 1.05 * kChordPixels);
+          EXPECT_LE(PathErrorBetween(frame->view, curve, (1 - u) * a + u * c).pixels, kChordPixels);
         }
       }
     }

@@ -83,18 +83,20 @@ double CurveLength(const RasterPoint* control_points, int degree, int pieces, do
 }
 
 /// A bound on how far a piece of a curve is from its chord at equal u: n (n - 1) / 8 times the largest second
-/// difference of its control points, as seen in the raster. Depth counts too: a surface may come nearer and
+/// difference of its control points, as seen in the raster from each of them, for what a difference comes to
+/// there depends on place and w, and the curve is among them. Depth counts too: a surface may come nearer and
 /// go without moving in the picture. Or anything that is not above `least`, if it is not.
 double ChordPixels(const FrameView& view, const RasterPoint* c, int degree, double least) {
   double largest = 0;
   for (int i = 1; i < degree; ++i) {
-    const RasterPoint bend = (c[i + 1] - c[i]) - (c[i] - c[i - 1]);
-    const RasterPoint bent = c[i] + (degree * (degree - 1) / 8.0) * bend;
-    const RasterPoint both[] = {c[i], bent};
+    const RasterPoint bend = (degree * (degree - 1) / 8.0) * ((c[i + 1] - c[i]) - (c[i] - c[i - 1]));
     const bool keeps_depth = bend.z == 0 && bend.w == 0;
-    if (keeps_depth && Enlarged(ApproximateLength(both, 2)) <= least) continue;
-    const PathError off = PathErrorBetween(view, c[i], bent);
-    largest = std::max({largest, off.pixels, off.depth * (kChordPixels / kPathDepth)});
+    for (int k = 0; k <= degree; ++k) {
+      const RasterPoint both[] = {c[k], c[k] + bend};
+      if (keeps_depth && Enlarged(ApproximateLength(both, 2)) <= least) continue;
+      const PathError off = PathErrorBetween(view, both[0], both[1]);
+      largest = std::max({largest, off.pixels, off.depth * (kChordPixels / kPathDepth)});
+    }
   }
   return largest;
 }

@@ -15,6 +15,9 @@
 
 namespace shutterline::engine {
 
+/// What a process gives the cache unless told otherwise. Memory is taken as it is filled.
+inline constexpr size_t kDefaultShadingCacheBytes = size_t{256} << 20;
+
 /// Shadings of texels of triangles, kept for whoever asks next [gribel2011, appendix B]: one for a whole
 /// process, for all its frames and threads, of fixed size. Lock-free: a thread that finds nothing shades and
 /// stores, and never waits for another. What a texel's shading is does not depend on who computes it, so
