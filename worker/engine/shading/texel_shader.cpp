@@ -19,10 +19,13 @@ TexelShader::TexelShader(const Shader& shader, const RenderSettings& settings,
       propagates_(settings.cache_propagate),
       cache_(std::move(cache)) {
   for (const FramePrimitive& primitive : shader.frame().primitives) {
-    const bool is_shared =
-        sharing == Sharing::kMoving ? primitive.degree > 0 : shader.IsDear(*primitive.material);
-    has_texels_.push_back(settings.shading_rate || is_shared);
     textured_.push_back(IsTextured(shader.frame(), primitive));
+    // Without light and textures a point's colour is sooner computed than looked up, and a texel's is less
+    // exact.
+    const bool is_cheap = primitive.material->unlit && !textured_.back();
+    const bool is_shared =
+        sharing == Sharing::kMoving ? primitive.degree > 0 && !is_cheap : shader.IsDear(*primitive.material);
+    has_texels_.push_back(settings.shading_rate || is_shared);
   }
 }
 

@@ -29,7 +29,8 @@ class TexelShader {
     TexelLevelsOfTriangle levels;
   };
 
-  /// What has texels though no rate is asked for: what moves, or what takes long (Shader::IsDear).
+  /// What has texels though no rate is asked for: what moves and has textures or light, or what takes long
+  /// (Shader::IsDear).
   enum class Sharing { kMoving, kDear };
 
   /// `shader` must outlive it. `cache` may be null: texels are then shaded whenever they are asked for, and
