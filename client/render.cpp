@@ -18,7 +18,7 @@ namespace shutterline::client {
 namespace {
 
 constexpr int kMaxThreads = 4096;
-constexpr auto kDefaultCacheMb = int64_t{engine::kDefaultShadingCacheBytes >> 20};
+constexpr uint64_t kDefaultCacheMb = engine::kDefaultShadingCacheBytes >> 20;
 constexpr int64_t kMaxCacheMb = int64_t{1} << 24;
 
 class RenderCommand : public Command {
@@ -108,7 +108,7 @@ class RenderCommand : public Command {
 
   JobOptions options_;
   int threads_ = 0;  ///< 0: all processors.
-  uint64_t shading_cache_bytes_ = uint64_t{kDefaultCacheMb} << 20;
+  uint64_t shading_cache_bytes_ = engine::kDefaultShadingCacheBytes;
   bool no_shading_cache_ = false;
   std::string log_level_ = "warn";
   bool json_ = false, quiet_ = false, stats_ = false;

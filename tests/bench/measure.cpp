@@ -56,11 +56,14 @@ absl::StatusOr<Measurement> Measure(std::shared_ptr<const engine::Scene> scene, 
   result.pose_wall = pose.Wall();
   result.pose_cpu = pose.Cpu();
 
+  // Lines have a cache of shadings, as in a worker, and what one run has shaded is not there for the next. A
+  // new integrator's scratch memory is filled first: a frame pays for that once, and a subset's times are
+  // multiplied.
+  const bool has_cache = settings.integrator == IntegratorKind::kLine;
+  const TileSubset beside = TilesBeside(subset, settings.width, 4 * options.threads);
   std::unique_ptr<engine::TileIntegrator> integrator;
   std::vector<double> wall, cpu, build_wall, build_cpu;
   for (int run = 0; run < options.most_runs; ++run) {
-    // Lines have a cache of shadings, as in a worker, and what one run has shaded is not there for the next.
-    const bool has_cache = settings.integrator == IntegratorKind::kLine;
     if (!integrator || options.new_seeds || has_cache) {
       RenderSettings seeded = settings;
       if (options.new_seeds) seeded.seed = options.first_seed + uint64_t(run);
@@ -74,9 +77,6 @@ absl::StatusOr<Measurement> Measure(std::shared_ptr<const engine::Scene> scene, 
                                                                  std::move(cache)));
       build_wall.push_back(build.Wall());
       build_cpu.push_back(build.Cpu());
-      // A new integrator's scratch memory is filled first: a frame pays for that once, and a subset's times
-      // are multiplied.
-      const TileSubset beside = TilesBeside(subset, settings.width, 4 * options.threads);
       if (has_cache && !beside.tiles.empty()) {
         Image unused = StackedImage(beside);
         engine::RenderStats unused_stats;
