@@ -17,8 +17,12 @@ const kPixels = kSize.split('x').reduce((width, height) => width * height);
 const kSlow = ['--float', ...pictures ? [] : ['--integrator', 'reference', '--spp', '64']];
 
 const farm = new Farm(programs);
-const browser = await chromium.launch({executablePath: chromiumPath, args: ['--no-sandbox', '--disable-gpu']});
+// Other tests may keep the machine busy, and in a container /dev/shm may be too small for a browser.
+const kPatience = 120e3;
+const browser = await chromium.launch({executablePath: chromiumPath, timeout: kPatience,
+                                       args: ['--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage']});
 const page = await browser.newPage({viewport: {width: 1280, height: 860}, colorScheme: 'dark'});
+page.setDefaultTimeout(kPatience);
 const complaints = [];
 page.on('pageerror', (error) => complaints.push(String(error)));
 page.on('console', (message) => {
@@ -155,8 +159,10 @@ async function main() {
   await page.keyboard.press('Enter');
   await page.locator('#action-resume').waitFor();
   assert.equal(JSON.parse(await farm.client('status', doomed, '--json')).paused, true);
-  await page.locator('#action-cancel').waitFor();
   await tabTo('#action-cancel');
+  await farm.client('resume', doomed);
+  await page.locator('#action-pause').waitFor();
+  assert.ok(await page.evaluate(() => document.activeElement.id === 'action-cancel'), 'the focus stays on its button');
   await page.keyboard.press('Enter');
   await page.locator('#confirm[open]').waitFor();
   await page.keyboard.press('Escape');
@@ -202,6 +208,29 @@ async function main() {
   await page.reload();
   await until('the picture is drawn', async () => await drawn('#picture') > 0.9 * kPixels);
   await picture('light');
+
+  step('a page that was left does not take the place of the next one');
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  await page.route('**/api/throughput', async (request) => { await held; await request.continue(); });
+  const followed = [];
+  page.on('request', (request) => { if (request.url().includes('/events')) followed.push(request.url()); });
+  await page.goto(home);
+  await page.locator('#jobs li').nth(2).waitFor();
+  assert.equal(await text('#connection-word'), 'connecting', 'the list follows nothing yet');
+  await page.goto(`${home}#/jobs/${job}`);
+  await until('the page is live', async () => await text('#connection-word') === 'live');
+  release();
+  await until('the list has heard', () => page.evaluate(() => document.querySelector('#chart-now').textContent !== ''));
+  await page.unroute('**/api/throughput');
+  await page.goto(`${home}#/workers`);
+  await until('the page is live', async () => await text('#connection-word') === 'live');
+  assert.deepEqual(followed.map((url) => url.slice(home.length - 1)), [`/events?job=${job}`, '/events']);
+
+  step('what is not there is told');
+  await page.goto(`${home}#/nowhere`);
+  await page.locator('#page-missing:not([hidden])').waitFor();
+  await until('the page is live', async () => await text('#connection-word') === 'live');
 
   step('another site may not cancel');
   const other = await submit('0-9');

@@ -39,9 +39,18 @@ export class Farm {
   async startServer() {
     const files = ['port', 'http'].map((name) => path.join(this.folder, name));
     for (const file of files) fs.rmSync(file, {force: true});
-    this.server = this.start('shutterline-server', '--listen', `127.0.0.1:${this.grpc}`, '--port-file', files[0],
-      '--http', `127.0.0.1:${this.http}`, '--http-port-file', files[1], '--data', path.join(this.folder, 'data'));
-    await until('the coordinator serves', () => fs.existsSync(files[1]) || this.server.exitCode != null);
+    const start = () => {
+      this.server = this.start('shutterline-server', '--listen', `127.0.0.1:${this.grpc}`, '--port-file', files[0],
+        '--http', `127.0.0.1:${this.http}`, '--http-port-file', files[1], '--data', path.join(this.folder, 'data'));
+    };
+    start();
+    await until('the coordinator serves', () => {
+      if (fs.existsSync(files[1])) return true;
+      // The second time: while it was away, its port may have become that of somebody's connection for a moment.
+      if (this.server.exitCode != null && this.grpc === '0') throw new Error('the coordinator does not start');
+      if (this.server.exitCode != null) start();
+      return false;
+    });
     [this.grpc, this.http] = files.map((file) => fs.readFileSync(file, 'utf8').trim());
   }
 

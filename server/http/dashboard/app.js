@@ -25,10 +25,12 @@ function toast(text) {
   toast.timer = setTimeout(() => $('toast').classList.remove('shown'), 5000);
 }
 
-const live = new Live((state) => {
+const kConnections = {opening: 'connecting', live: 'live', lost: 'reconnecting'};
+function showConnection(state) {
   $('connection').className = `connection ${state}`;
-  $('connection-word').textContent = state === 'live' ? 'live' : 'reconnecting';
-});
+  $('connection-word').textContent = kConnections[state];
+}
+const live = new Live(showConnection);
 
 function showTotals(farm) {
   $('total-workers').textContent = number(farm.workers);
@@ -113,11 +115,12 @@ async function drawChart() {
   $('chart-now').textContent = `${rate(last)} tiles/s now, ${rate(top)} at most`;
 }
 
-async function showJobs() {
+async function showJobs(left) {
   jobs.clear();
   $('jobs').replaceChildren();
   await loadJobs();
   await drawChart();
+  if (left()) return;
   chartTimer = setInterval(() => drawChart().catch(() => {}), 5000);
   live.follow('/events', {farm: showTotals, job: placeJob});
 }
@@ -204,14 +207,17 @@ function actionsOf(job) {
 
 function showActions(job) {
   const wanted = actionsOf(job).filter((action) => kActions[action]);
-  if ($('job-actions').dataset.shown === wanted.join()) return;  // Keeps the focus where it is.
-  $('job-actions').dataset.shown = wanted.join();
-  $('job-actions').replaceChildren(...wanted.map((action) => {
+  const bar = $('job-actions');
+  // Buttons that stay are left where they are, and so is the focus.
+  for (const button of [...bar.children]) if (!wanted.includes(button.dataset.action)) button.remove();
+  wanted.forEach((action, i) => {
+    if (bar.children[i]?.dataset.action === action) return;
     const button = make('button', kActions[action].className || '', kActions[action].word);
     button.id = `action-${action}`;
+    button.dataset.action = action;
     button.addEventListener('click', () => act(action));
-    return button;
-  }));
+    bar.insertBefore(button, bar.children[i] ?? null);
+  });
 }
 
 async function act(action) {
@@ -286,13 +292,15 @@ function onFrame(frame) {
   if (frame.frame === current.frame) view.update();
 }
 
-async function openJob(id) {
+async function openJob(id, left) {
   const job = await ask(`/api/jobs/${id}`);
+  if (left()) return;
   current = {job, frames: new Map(), cells: new Map(), frame: null};
   $('frames').replaceChildren();
   $('follow').checked = true;
   showJob(job);
   const {frames} = await ask(`/api/jobs/${id}/frames?limit=${kMaxFrames}`);
+  if (left()) return;
   for (const frame of frames) { current.frames.set(frame.frame, frame); cellOf(frame); }
   $('frames-note').textContent = job.frames_total > kMaxFrames
     ? `The first ${kMaxFrames} of ${number(job.frames_total)}; the others by ‹ and ›.` : '';
@@ -321,40 +329,52 @@ async function loadWorkers() {
   }));
 }
 
-async function showWorkers() {
+async function showWorkers(left) {
   await loadWorkers();
+  if (left()) return;
   workersTimer = setInterval(() => loadWorkers().catch(() => {}), 2000);
   live.follow('/events', {farm: showTotals});
 }
 
 // --- Pages -------------------------------------------------------------------------------------------
 
+let visits = 0;
+
+function showSection(page) {
+  for (const section of document.querySelectorAll('main > section')) section.hidden = section.id !== `page-${page}`;
+}
+
+function showMissing(reason) {
+  showSection('missing');
+  $('missing-reason').textContent = reason;
+  live.follow('/events', {farm: showTotals});
+}
+
 async function route() {
+  // What a page that has been left still waits for must not take the place of what the next one shows.
+  const visit = ++visits, left = () => visit !== visits;
   clearInterval(chartTimer);
   clearInterval(workersTimer);
   live.close();
+  showConnection('opening');
   const path = location.hash.slice(1) || '/';
   const job = path.match(/^\/jobs\/([0-9a-f-]{36})$/);
   const page = path === '/' ? 'jobs' : job ? 'job' : path === '/workers' ? 'workers' : 'missing';
-  for (const section of document.querySelectorAll('main > section')) section.hidden = section.id !== `page-${page}`;
+  showSection(page);
   for (const link of document.querySelectorAll('nav a')) {
     if (link.dataset.page === page) link.setAttribute('aria-current', 'page'); else link.removeAttribute('aria-current');
   }
   document.title = 'Shutterline';
   try {
-    if (page === 'jobs') await showJobs();
-    if (page === 'job') await openJob(job[1]);
-    if (page === 'workers') await showWorkers();
-    if (page === 'missing') $('missing-reason').textContent = 'There is no such page.';
+    if (page === 'jobs') await showJobs(left);
+    if (page === 'job') await openJob(job[1], left);
+    if (page === 'workers') await showWorkers(left);
+    if (page === 'missing') showMissing('There is no such page.');
   } catch (error) {
-    if (error.status === 404) {
-      for (const section of document.querySelectorAll('main > section')) section.hidden = section.id !== 'page-missing';
-      $('missing-reason').textContent = error.message;
-      return;
-    }
-    $('connection').className = 'connection lost';
-    $('connection-word').textContent = 'no answer';
-    setTimeout(() => { if (path === (location.hash.slice(1) || '/')) route(); }, 3000);
+    if (left()) return;
+    if (error.status === 404) return showMissing(error.message);
+    showConnection('lost');
+    setTimeout(() => { if (!left()) route(); }, 3000);
   }
 }
 
