@@ -94,10 +94,19 @@ struct StoredChannel {
   size_t offset;  ///< Within a pixel, bytes.
 
   size_t size() const { return type == Imf::HALF ? sizeof(half) : sizeof(float); }
-  void Store(float value, char* pixel) const {
-    const half rounded = type == Imf::HALF ? HalfOf(value) : half(0.0f);
-    const void* source = type == Imf::HALF ? static_cast<const void*>(&rounded) : &value;
-    std::memcpy(pixel + offset, source, size());
+  /// The channel of so many pixels, whose values are `step` apart.
+  void Store(const float* values, size_t step, size_t count, char* pixels, size_t pixel_bytes) const {
+    char* to = pixels + offset;
+    if (type == Imf::HALF) {
+      for (size_t i = 0; i < count; ++i, values += step, to += pixel_bytes) {
+        const half rounded = HalfOf(*values);
+        std::memcpy(to, &rounded, sizeof rounded);
+      }
+      return;
+    }
+    for (size_t i = 0; i < count; ++i, values += step, to += pixel_bytes) {
+      std::memcpy(to, values, sizeof *values);
+    }
   }
 };
 
@@ -124,8 +133,8 @@ void WriteTiles(const Image& image, const std::vector<StoredChannel>& stored, Im
     const int top = row * kTileSize;
     const size_t count = size_t(std::min(kTileSize, image.height() - top)) * width;
     const float* source = image.At(0, top);
-    for (size_t i = 0; i < count; ++i) {
-      for (const StoredChannel& channel : stored) channel.Store(*source++, &rows[i * pixel_bytes]);
+    for (size_t c = 0; c < stored.size(); ++c) {
+      stored[c].Store(source + c, stored.size(), count, rows.data(), pixel_bytes);
     }
     Imf::FrameBuffer frame;
     for (size_t c = 0; c < stored.size(); ++c) {

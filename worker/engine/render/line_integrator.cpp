@@ -125,7 +125,11 @@ double LineIntegrator::AlphaAt(uint32_t triangle, double b1, double b2, double t
   return shader_.Alpha(triangle, at, PixelFootprintAt(*frame_, triangle, at, t));
 }
 
-V3f LineIntegrator::GuessOf(uint32_t triangle) const {
+std::optional<V3f> LineIntegrator::GuessOf(uint32_t triangle) const {
+  // A texture that moves differs from instant to instant by itself. Light does too, but hardly.
+  if (traits_[frame_->triangles[triangle].primitive].textured && texels_.HasTexels(triangle)) {
+    return std::nullopt;
+  }
   // A footprint as large as the triangle: the mean of its texture, about.
   constexpr Footprint kWhole{.db1_dx = 1, .db1_dy = 0, .db2_dx = 0, .db2_dy = 1, .rough = true};
   return shader_.ShadeInTheOpen(triangle, {1.0 / 3, 1.0 / 3}, kWhole);

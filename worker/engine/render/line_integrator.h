@@ -39,7 +39,7 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
   double AlphaAt(uint32_t triangle, double b1, double b2, double t) const override;
   /// One colour that stands for the triangle.
-  V3f GuessOf(uint32_t triangle) const;
+  std::optional<V3f> GuessOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;
   /// `instants`: of a line, on average.

@@ -150,7 +150,9 @@ class LineSums {
       ChangeSteps(x, change);
     }
   }
-  void ChangeSteps(int32_t x, const Color& change) {
+  /// For every visible piece: a call, and a change that goes through memory, are a fifth of what adding one
+  /// costs.
+  [[gnu::always_inline]] void ChangeSteps(int32_t x, const Color& change) {
     const int step = x >> kSubpixelBits;
     const double in_next = x & (kSubpixelsPerPixel - 1);
     const double in_this = kSubpixelsPerPixel - in_next;

@@ -36,10 +36,9 @@ void TileColors::Begin(const TileMesh& mesh, ColorFilm* film) {
 
 void TileColors::Shade(uint32_t index) {
   const uint32_t id = mesh_->triangles()[index].id;
-  if (guesses_ && film_->HasPoints(id)) return ShadeByPoints(index);
   if (guesses_) {
-    SetConstant(index, film_->Guess(id));
-    return;
+    const std::optional<V3f> guess = film_->Guess(id);
+    return guess ? SetConstant(index, *guess) : ShadeByPoints(index);
   }
   const std::optional<ColorNodes> nodes = film_->Shade(id);
   if (!nodes && film_->HasPoints(id)) return ShadeByPoints(index);

@@ -26,7 +26,7 @@ class TileColors {
   /// Begins a tile. `film` may be null: everything is kept apart by triangle then.
   void Begin(const TileMesh& mesh, ColorFilm* film);
 
-  /// The same, but every triangle has the colour that the film guesses.
+  /// The same, but a triangle has the colour that the film guesses, where it does.
   void BeginGuessing(const TileMesh& mesh, ColorFilm& film);
 
   ColorFilm* film() const { return film_; }

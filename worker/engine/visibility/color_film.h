@@ -29,9 +29,9 @@ class ColorFilm {
   /// What a triangle of the frame looks like; nothing where that is not so simple.
   using Shader = std::function<std::optional<ColorNodes>(uint32_t triangle)>;
 
-  /// One colour that stands for a triangle of the frame, whatever it looks like: good enough to measure how
-  /// far two ways of sampling it are apart.
-  using Guesser = std::function<V3f(uint32_t triangle)>;
+  /// One colour that stands for a triangle of the frame, good enough to measure how far two ways of sampling
+  /// it are apart; nothing where it takes the colours of its points to tell.
+  using Guesser = std::function<std::optional<V3f>(uint32_t triangle)>;
 
   /// Without a guesser nothing can be measured before it is rendered. `points`, which may be null and must
   /// outlive the film, is asked about triangles of which `shader` says nothing.
@@ -50,7 +50,7 @@ class ColorFilm {
 
   std::optional<ColorNodes> Shade(uint32_t triangle) const { return shader_(triangle); }
   bool CanGuess() const { return guesser_ != nullptr; }
-  V3f Guess(uint32_t triangle) const { return guesser_(triangle); }
+  std::optional<V3f> Guess(uint32_t triangle) const { return guesser_(triangle); }
   bool HasPoints(uint32_t triangle) const { return points_ != nullptr && points_->Has(triangle); }
   /// Where it has points.
   PointColors& points() { return *points_; }
