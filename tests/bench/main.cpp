@@ -10,36 +10,63 @@ using shutterline::bench::Against;
 using shutterline::bench::MeasureOne;
 using shutterline::bench::ReportOptions;
 
+/// Options that not every part has a use for.
+enum Use : unsigned {
+  kContenders = 1,
+  kSide = 2,
+  kClock = 4,
+  kCache = 8,
+  kSpp = 16,
+  kScenes = 32,
+  kReport = 64
+};
+
 struct Part {
   const char* name;
   const char* summary;
   absl::Status (*run)(const ReportOptions&);
+  unsigned uses;
 };
 
 constexpr Part kParts[] = {
     {"speed-vs-error", "Ladders of every method on every scene: time against error",
-     shutterline::bench::SpeedVsError},
-    {"motion", "Time and error against the length of motion", shutterline::bench::Motion},
-    {"stages", "Where the line integrator's time goes", shutterline::bench::Stages},
-    {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError},
-    {"patterns", "Patterns of lines on a still frame", shutterline::bench::Patterns},
-    {"occlusion", "Ambient occlusion by lines and by rays", shutterline::bench::Occlusion},
+     shutterline::bench::SpeedVsError, kReport | kScenes | kContenders | kSide | kClock | kCache | kSpp},
+    {"motion", "Time and error against the length of motion", shutterline::bench::Motion,
+     kReport | kScenes | kContenders | kSide | kClock | kCache | kSpp},
+    {"stages", "Where the line integrator's time goes", shutterline::bench::Stages,
+     kReport | kScenes | kContenders | kSide},
+    {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError,
+     kReport | kScenes | kSide},
+    {"patterns", "Patterns of lines on a still frame", shutterline::bench::Patterns,
+     kReport | kScenes | kClock | kCache | kSpp},
+    {"occlusion", "Ambient occlusion by lines and by rays", shutterline::bench::Occlusion,
+     kReport | kScenes | kSpp},
 };
 
-void AddOptions(CLI::App& sub, ReportOptions& options, std::string& clock) {
-  sub.add_flag("--quick", options.quick,
-               "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
-  sub.add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
-  sub.add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
+void AddOptions(CLI::App& sub, unsigned uses, ReportOptions& options, std::string& clock) {
   sub.add_option("--threads", options.threads, "Threads of every method")->check(CLI::Range(1, 1024));
-  sub.add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
-      ->check(CLI::IsMember({"wall", "cpu"}));
-  sub.add_option("--scenes", options.scenes, "Only these scenes");
-  sub.add_option("--contenders", options.contenders, "Only these methods");
-  sub.add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")
-      ->check(CLI::Range(1, 32));
-  sub.add_option("--spp", options.spp, "Points a pixel of references, a multiple of 64")
-      ->check(CLI::Range(64, 1 << 16));
+  if (uses & kReport) {
+    sub.add_flag("--quick", options.quick,
+                 "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
+    sub.add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
+  }
+  if (uses & kCache) {
+    sub.add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
+  }
+  if (uses & kClock) {
+    sub.add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
+        ->check(CLI::IsMember({"wall", "cpu"}));
+  }
+  if (uses & kScenes) sub.add_option("--scenes", options.scenes, "Only these scenes");
+  if (uses & kContenders) sub.add_option("--contenders", options.contenders, "Only these methods");
+  if (uses & kSide) {
+    sub.add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")
+        ->check(CLI::Range(1, 32));
+  }
+  if (uses & kSpp) {
+    sub.add_option("--spp", options.spp, "Points, or rays, a pixel of references, a multiple of 64")
+        ->check(CLI::Range(64, 1 << 16));
+  }
 }
 
 }  // namespace
@@ -57,7 +84,7 @@ int main(int argc, char** argv) {
   int rung = -1;
   for (const Part& part : kParts) {
     CLI::App* sub = app.add_subcommand(part.name, part.summary);
-    AddOptions(*sub, options, clock);
+    AddOptions(*sub, part.uses, options, clock);
     if (&part == kParts) {
       sub->add_option(
           "--against", against,
@@ -70,7 +97,7 @@ int main(int argc, char** argv) {
   one->add_option("scene", scene)->required();
   one->add_option("contender", contender)->required();
   one->add_option("rung", rung);
-  AddOptions(*one, options, clock);
+  AddOptions(*one, kSide, options, clock);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

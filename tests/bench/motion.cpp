@@ -29,9 +29,12 @@ struct Line {
   std::function<void(RenderSettings&)> apply;
 };
 
-std::vector<Line> Lines() {
+absl::StatusOr<std::vector<Line>> Lines(const ReportOptions& options) {
+  ReportOptions whole = options;
+  whole.quick = false;
+  SL_ASSIGN_OR_RETURN(const std::vector<Contender> contenders, ChosenContenders(whole));
   std::vector<Line> lines;
-  for (const Contender& contender : AllContenders(/*quick=*/false)) {
+  for (const Contender& contender : contenders) {
     if (contender.default_rung >= 0) {
       lines.push_back(
           {contender.name, contender.color, false, contender.ladder[size_t(contender.default_rung)].apply});
@@ -42,10 +45,12 @@ std::vector<Line> Lines() {
       lines.push_back({absl::StrCat(contender.name, ", ", rung.label), contender.color, true, rung.apply});
     }
   }
-  lines.push_back({"line/slice, 16 instants", PlotColors()[4], false, [](RenderSettings& s) {
-                     s.integrator = IntegratorKind::kLine;
-                     s.time_samples = 16;
-                   }});
+  if (lines.front().label == "line/slice") {
+    lines.push_back({"line/slice, 16 instants", PlotColors()[4], false, [](RenderSettings& s) {
+                       s.integrator = IntegratorKind::kLine;
+                       s.time_samples = 16;
+                     }});
+  }
   return lines;
 }
 
@@ -77,7 +82,7 @@ absl::StatusOr<Point> MeasureLine(const LoadedScene& loaded, const RenderSetting
 /// One scene at every length of motion: two plots.
 absl::StatusOr<std::vector<std::string>> OneScene(const BenchScene& of, const ReportOptions& options,
                                                   CsvTable& table) {
-  const std::vector<Line> lines = Lines();
+  SL_ASSIGN_OR_RETURN(const std::vector<Line> lines, Lines(options));
   Plot time{.title = absl::StrCat(of.name, ": time"),
             .x = {"pixels of motion over the shutter", false},
             .y = {"seconds a frame", false}};

@@ -28,9 +28,9 @@ constexpr EvenPattern kEvenPatterns[] = {{PatternKind::k1h1v, 40},
                                          {PatternKind::k4h4v, 512},
                                          {PatternKind::k8h8v, 1e18}};
 
-/// Between two of a pilot's instants things move by at most so many pixels, half a tile: what crosses a tile
-/// is seen in it.
-constexpr double kPilotStepPixels = 16;
+/// Between two of a pilot's instants things move by at most so many pixels, a tile: what crosses a tile is
+/// seen in it.
+constexpr double kPilotStepPixels = 32;
 constexpr int64_t kLeastPilot = 4;
 constexpr int64_t kLeastInstants = 2;
 
@@ -60,7 +60,7 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSo
                               RenderStats& stats) const {
   const double motion = strata.motion_pixels();
   const int64_t most = strata.moves() ? at_most_.InstantsFor(motion) : 1;
-  const auto pilot_step = int64_t(std::ceil(motion / (2 * kPilotStepPixels * kLeastPilot)));
+  const auto pilot_step = int64_t(std::ceil(motion / (kPilotStepPixels * kLeastPilot)));
   const int64_t pilot = strata.moves() ? std::max(kLeastPilot, kLeastPilot * pilot_step) : 1;
   if (strata.moves() && pilot >= most) return {&pattern_, most};
 

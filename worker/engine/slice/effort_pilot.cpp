@@ -9,9 +9,9 @@
 namespace shutterline::engine {
 namespace {
 
-/// What a pixel's difference of the families must exceed that of the halves by, both squared, to be counted
-/// as one of space: where only time makes a difference, it mostly does not.
-constexpr double kTimeInSpace = 2;
+/// Of its part of the shutter: both families look at the same instants, or their difference would be one of
+/// time as well.
+constexpr double kInTheMiddle = 0.5;
 
 /// Means are taken over the pixels in which anything differs, or a large surface at rest would hide a small
 /// one that moves; over so many at least, an eighth of a tile, or a single pixel would decide for all.
@@ -26,9 +26,8 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
   const bool moves = instants > 1;
   for (size_t f = 0; f < 2; ++f) {
-    const double offset = f == 0 ? 0.25 : 0.75;
     for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
-      RenderPart(strata, *lines[f], instants, offset, half == 1, shutter, colors, film, alpha, stats,
+      RenderPart(strata, *lines[f], instants, half == 1, shutter, colors, film, alpha, stats,
                  parts_[f][half]);
     }
   }
@@ -44,7 +43,8 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
       const double in_time = moves ? ((a0 + a1) - (b0 + b1)) / weight : 0;
       const double in_space = ((a0 + b0) - (a1 + b1)) / weight;
       time_sum += in_time * in_time;
-      space_sum += std::max(0.0, in_space * in_space - kTimeInSpace * in_time * in_time);
+      // What lines miss at all times is in both halves; what they miss as things move is another in each.
+      space_sum += moves ? 4 * (a0 - a1) * (b0 - b1) / (weight * weight) : in_space * in_space;
       changes += in_time * in_time + in_space * in_space;
     }
     if (changes > 0) ++changing;
@@ -52,7 +52,7 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   const double values = 3 * double(std::max(changing, kFewestChanging));
   Findings findings{.samples = 2 * instants,
                     .time_difference = std::sqrt(time_sum / values),
-                    .space_difference = std::sqrt(space_sum / values)};
+                    .space_difference = std::sqrt(std::max(0.0, space_sum) / values)};
   for (uint32_t i = 0; i < strata.mesh().triangles().size(); ++i) {
     const TileMeshTriangle& triangle = strata.mesh().triangles()[i];
     if (triangle.shading_bins_log2 == 0 || !colors.WasSeen(i)) continue;
@@ -66,13 +66,14 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   return findings;
 }
 
-void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset,
-                             bool inner, const ShutterCurve& shutter, TileColors& colors, ColorFilm& film,
+void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, bool inner,
+                             const ShutterCurve& shutter, TileColors& colors, ColorFilm& film,
                              const AlphaSource* alpha, RenderStats& stats, Sums& sums) {
   instants_.clear();
   for (int64_t i = 0; i < instants; ++i) {
     const bool is_inner = i % 4 == 1 || i % 4 == 2;
-    if (is_inner == inner) instants_.push_back(shutter.TimeOf(TimeSamples::InstantAt(i, instants, offset)));
+    if (is_inner != inner) continue;
+    instants_.push_back(shutter.TimeOf(TimeSamples::InstantAt(i, instants, kInTheMiddle)));
   }
   film.Reset(strata.mesh().rect().Area());
   const int64_t lines_before = stats.lines;

@@ -25,7 +25,8 @@ class EffortPilot {
     /// RMS over the tile's pixels and colour channels of one half of the instants minus the other: of every
     /// four the first and the last, and the two between. What changes linearly is equal in both.
     double time_difference = 0;
-    /// The same of one family's line minus the other's, as far as time does not account for it.
+    /// The same of one family's line minus the other's, as far as both halves agree on it: what lines miss as
+    /// things move is another at other instants, and averages out without more lines.
     double space_difference = 0;
     /// Textures that move were seen, by points (ColorFilm::HasPoints): the differences tell how they look.
     bool sees_moving_textures = false;
@@ -43,7 +44,7 @@ class EffortPilot {
  private:
   using Sums = std::vector<std::array<double, 4>>;
 
-  void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
+  void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, bool inner,
                   const ShutterCurve& shutter, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
                   RenderStats& stats, Sums& sums);
 
