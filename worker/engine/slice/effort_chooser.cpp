@@ -11,7 +11,7 @@ namespace {
 constexpr double kTimeShare = 0.25;
 constexpr double kTimeSlope = 1.2;
 /// The same where textures move: neighbouring texels have little to do with one another.
-constexpr double kTextureShare = 0.35;
+constexpr double kTextureShare = 0.15;
 constexpr double kTextureSlope = 0.8;
 /// What lines in space alone leave is taken as kSpaceShare · d with one horizontal and one vertical line a
 /// pixel, d being the difference of the two, and as kFinerShare of that with twice as many.
