@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <random>
 #include <vector>
 
 #include "common/math/tolerance.h"
@@ -27,21 +28,20 @@ V3f ColorOf(uint32_t triangle) {
   return {float(triangle % 3) / 2, float(triangle % 5) / 4, float(triangle % 7) / 6};
 }
 
-Rendered Render(const FrameScene& frame, const RenderSettings& settings, bool can_guess = true,
-                V3f (*color_of)(uint32_t triangle) = ColorOf) {
+Rendered Render(const FrameScene& frame, const RenderSettings& settings, bool can_guess = true) {
   std::vector<PrimitiveTraits> traits;
   for (const FramePrimitive& primitive : frame.primitives) {
     traits.push_back({.cull_back = !primitive.material->double_sided});
   }
   std::vector<uint32_t> candidates(frame.triangles.size());
   std::iota(candidates.begin(), candidates.end(), 0u);
-  const auto shade = [color_of](uint32_t triangle) {
-    const V3f color = color_of(triangle);
+  const auto shade = [](uint32_t triangle) {
+    const V3f color = ColorOf(triangle);
     ColorNodes nodes;
     nodes.corners = {color, color, color};
     return nodes;
   };
-  ColorFilm film = can_guess ? ColorFilm(shade, color_of) : ColorFilm(shade);
+  ColorFilm film = can_guess ? ColorFilm(shade, ColorOf) : ColorFilm(shade);
   PairWeights weights;
   RenderStats stats;
   Rendered rendered;
@@ -134,23 +134,33 @@ TEST(Effort, WhatStandsStillHasOneInstantAndAsManyLinesAsItsEdgesNeed) {
   EXPECT_EQ(samples[2], 16);
 }
 
-TEST(Effort, WhatMovesIsNotTakenForWhatLinesMiss) {
-  // Stripes that pass in front of the tile. In time they are hard, and between two instants of a pilot they
-  // may move by just so much that its lines of either family see other stripes; more lines would help
-  // nothing.
-  const auto black_and_white = [](uint32_t triangle) { return V3f(float(triangle / 2 % 2)); };
-  for (const double width : {5.0, 7.0, 8.5, 11.0, 12.0, 15.0}) {
-    FrameSceneBuilder builder(OrthographicView(32, 32));
-    for (int i = -1; i * width < 100; ++i) {
-      const auto at = [&](double x, double y) { return Corner{(i + x) * width - 64, y, 1}; };
-      const auto moved = [&](double x, double y) { return Corner{(i + x) * width - 4, y, 1}; };
-      builder.AddTriangle({at(0, -9), at(1, -9), at(1, 49)}, {moved(0, -9), moved(1, -9), moved(1, 49)});
-      builder.AddTriangle({at(0, -9), at(1, 49), at(0, 49)}, {moved(0, -9), moved(1, 49), moved(0, 49)});
+/// Triangles of some pixels that fly through the tile in all directions, in front of one another.
+std::shared_ptr<const FrameScene> Debris(uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  FrameSceneBuilder builder(OrthographicView(32, 32));
+  for (int i = 0; i < 150; ++i) {
+    std::array<Corner, 3> open, close;
+    const double x = 16 + 40 * unit(random), y = 16 + 40 * unit(random), depth = 0.5 + 0.4 * unit(random);
+    const double dx = 30 * unit(random), dy = 30 * unit(random);
+    for (size_t k = 0; k < 3; ++k) {
+      const double px = x + 8 * unit(random), py = y + 8 * unit(random);
+      open[k] = {px - dx, py - dy, depth};
+      close[k] = {px + dx, py + dy, depth};
     }
-    const auto frame = builder.Build();
-    const Rendered rendered = Render(*frame, Target(0.01), true, black_and_white);
-    EXPECT_LE(rendered.lines, 4 * 32) << "stripes of " << width;
+    builder.AddTriangle(open, close);
   }
+  return builder.Build();
+}
+
+TEST(Effort, WhatMovesIsNotTakenForWhatLinesMiss) {
+  // What one line misses of it is another thing at each instant: instants help, and cost less than lines.
+  double lines = 0;
+  constexpr int kSeeds = 16;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    lines += double(Render(*Debris(seed), Target(0.01)).lines) / (kSeeds * 64);
+  }
+  EXPECT_LT(lines, 1.5) << "times those of 1h1v, seeds 1 to " << kSeeds;
 }
 
 TEST(Effort, WhatIsSaidIsDone) {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kTimeShare = 0.25;
 constexpr double kTimeSlope = 1.2;
 /// The same where textures move: neighbouring texels have little to do with one another.
-constexpr double kTextureShare = 0.15;
+constexpr double kTextureShare = 0.2;
 constexpr double kTextureSlope = 0.8;
 /// What lines in space alone leave is taken as kSpaceShare · d with one horizontal and one vertical line a
 /// pixel, d being the difference of the two, and as kFinerShare of that with twice as many.
@@ -28,9 +28,9 @@ constexpr EvenPattern kEvenPatterns[] = {{PatternKind::k1h1v, 40},
                                          {PatternKind::k4h4v, 512},
                                          {PatternKind::k8h8v, 1e18}};
 
-/// Between two of a pilot's instants things move by at most so many pixels, a tile: what crosses a tile is
-/// seen in it.
-constexpr double kPilotStepPixels = 32;
+/// Between two of a pilot's instants things move by at most so many pixels, half a tile: what crosses a tile
+/// is seen in it.
+constexpr double kPilotStepPixels = 16;
 constexpr int64_t kLeastPilot = 4;
 constexpr int64_t kLeastInstants = 2;
 
@@ -60,7 +60,7 @@ Effort EffortChooser::Measure(TileStrata& strata, ColorFilm& film, const AlphaSo
                               RenderStats& stats) const {
   const double motion = strata.motion_pixels();
   const int64_t most = strata.moves() ? at_most_.InstantsFor(motion) : 1;
-  const auto pilot_step = int64_t(std::ceil(motion / (kPilotStepPixels * kLeastPilot)));
+  const auto pilot_step = int64_t(std::ceil(motion / (2 * kPilotStepPixels * kLeastPilot)));
   const int64_t pilot = strata.moves() ? std::max(kLeastPilot, kLeastPilot * pilot_step) : 1;
   if (strata.moves() && pilot >= most) return {&pattern_, most};
 

@@ -9,10 +9,6 @@
 namespace shutterline::engine {
 namespace {
 
-/// Of its part of the shutter: both families look at the same instants, or their difference would be one of
-/// time as well.
-constexpr double kInTheMiddle = 0.5;
-
 /// Means are taken over the pixels in which anything differs, or a large surface at rest would hide a small
 /// one that moves; over so many at least, an eighth of a tile, or a single pixel would decide for all.
 constexpr int64_t kFewestChanging = 128;
@@ -26,8 +22,9 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   const std::array<const LineClass*, 2> lines{&classes.front(), &classes.back()};
   const bool moves = instants > 1;
   for (size_t f = 0; f < 2; ++f) {
+    const double offset = f == 0 ? 0.25 : 0.75;
     for (size_t half = 0; half < (moves ? 2u : 1u); ++half) {
-      RenderPart(strata, *lines[f], instants, half == 1, shutter, colors, film, alpha, stats,
+      RenderPart(strata, *lines[f], instants, offset, half == 1, shutter, colors, film, alpha, stats,
                  parts_[f][half]);
     }
   }
@@ -66,14 +63,14 @@ EffortPilot::Findings EffortPilot::Fly(TileStrata& strata, const std::vector<Lin
   return findings;
 }
 
-void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, bool inner,
-                             const ShutterCurve& shutter, TileColors& colors, ColorFilm& film,
+void EffortPilot::RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset,
+                             bool inner, const ShutterCurve& shutter, TileColors& colors, ColorFilm& film,
                              const AlphaSource* alpha, RenderStats& stats, Sums& sums) {
   instants_.clear();
   for (int64_t i = 0; i < instants; ++i) {
     const bool is_inner = i % 4 == 1 || i % 4 == 2;
     if (is_inner != inner) continue;
-    instants_.push_back(shutter.TimeOf(TimeSamples::InstantAt(i, instants, kInTheMiddle)));
+    instants_.push_back(shutter.TimeOf(TimeSamples::InstantAt(i, instants, offset)));
   }
   film.Reset(strata.mesh().rect().Area());
   const int64_t lines_before = stats.lines;

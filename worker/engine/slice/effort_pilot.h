@@ -44,7 +44,7 @@ class EffortPilot {
  private:
   using Sums = std::vector<std::array<double, 4>>;
 
-  void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, bool inner,
+  void RenderPart(TileStrata& strata, const LineClass& lines, int64_t instants, double offset, bool inner,
                   const ShutterCurve& shutter, TileColors& colors, ColorFilm& film, const AlphaSource* alpha,
                   RenderStats& stats, Sums& sums);
 
