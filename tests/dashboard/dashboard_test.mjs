@@ -110,14 +110,17 @@ async function main() {
     if (await page.locator('#frame-3.finished').count()) return true;
     const now = await drawn('#picture');
     if (now !== counts.at(-1)) counts.push(now);
-    if (!middle && now > kPixels / 3 && now < kPixels * 0.9) {
+    if (!middle && now > (pictures ? kPixels / 3 : 0)) {
+      // Paused, or a busy machine may finish the frame before the browser looks again.
+      await farm.client('pause', job);
       await keep('middle');
       await picture('job');
-      middle = true;
+      middle = await drawn('#picture') < kPixels * 0.9;
+      await farm.client('resume', job);
     }
     return false;
   }, 300);
-  assert.ok(counts.length >= 4, `seen growing only ${counts.length} times: ${counts}`);
+  assert.ok(counts.length >= 3, `seen growing only ${counts.length} times: ${counts}`);
   assert.deepEqual(counts, [...counts].sort((a, b) => a - b), 'the picture never shrinks');
   assert.ok(middle, `caught in the middle: ${counts} of ${kPixels}`);
 
