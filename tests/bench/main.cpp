@@ -10,16 +10,8 @@ using shutterline::bench::Against;
 using shutterline::bench::MeasureOne;
 using shutterline::bench::ReportOptions;
 
-/// Options that not every part has a use for.
-enum Use : unsigned {
-  kContenders = 1,
-  kSide = 2,
-  kClock = 4,
-  kCache = 8,
-  kSpp = 16,
-  kScenes = 32,
-  kReport = 64
-};
+/// Options that not everything has a use for; kReport: those of all parts.
+enum Use : unsigned { kReport = 1, kContenders = 2, kSide = 4, kClock = 8, kCache = 16, kSpp = 32 };
 
 struct Part {
   const char* name;
@@ -30,17 +22,15 @@ struct Part {
 
 constexpr Part kParts[] = {
     {"speed-vs-error", "Ladders of every method on every scene: time against error",
-     shutterline::bench::SpeedVsError, kReport | kScenes | kContenders | kSide | kClock | kCache | kSpp},
+     shutterline::bench::SpeedVsError, kReport | kContenders | kSide | kClock | kCache | kSpp},
     {"motion", "Time and error against the length of motion", shutterline::bench::Motion,
-     kReport | kScenes | kContenders | kSide | kClock | kCache | kSpp},
+     kReport | kContenders | kSide | kClock | kCache | kSpp},
     {"stages", "Where the line integrator's time goes", shutterline::bench::Stages,
-     kReport | kScenes | kContenders | kSide},
-    {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError,
-     kReport | kScenes | kSide},
+     kReport | kContenders | kSide},
+    {"depth-error", "Errors of the depth of single samples", shutterline::bench::DepthError, kReport | kSide},
     {"patterns", "Patterns of lines on a still frame", shutterline::bench::Patterns,
-     kReport | kScenes | kClock | kCache | kSpp},
-    {"occlusion", "Ambient occlusion by lines and by rays", shutterline::bench::Occlusion,
-     kReport | kScenes | kSpp},
+     kReport | kClock | kCache | kSpp},
+    {"occlusion", "Ambient occlusion by lines and by rays", shutterline::bench::Occlusion, kReport | kSpp},
 };
 
 void AddOptions(CLI::App& sub, unsigned uses, ReportOptions& options, std::string& clock) {
@@ -49,6 +39,7 @@ void AddOptions(CLI::App& sub, unsigned uses, ReportOptions& options, std::strin
     sub.add_flag("--quick", options.quick,
                  "A first look: fewer scenes, tiles and settings; within 3 minutes on 2 cores");
     sub.add_option("-o,--output", options.output, "Folder to write to")->capture_default_str();
+    sub.add_option("--scenes", options.scenes, "Only these scenes");
   }
   if (uses & kCache) {
     sub.add_option("--cache", options.cache, "Folder in which references are kept")->capture_default_str();
@@ -57,7 +48,6 @@ void AddOptions(CLI::App& sub, unsigned uses, ReportOptions& options, std::strin
     sub.add_option("--clock", clock, "What curves show: wall, or cpu (over threads) on a busy machine")
         ->check(CLI::IsMember({"wall", "cpu"}));
   }
-  if (uses & kScenes) sub.add_option("--scenes", options.scenes, "Only these scenes");
   if (uses & kContenders) sub.add_option("--contenders", options.contenders, "Only these methods");
   if (uses & kSide) {
     sub.add_option("--side", options.side, "Measure one tile of every square of this many a side; 1: all")

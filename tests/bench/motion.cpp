@@ -45,7 +45,8 @@ absl::StatusOr<std::vector<Line>> Lines(const ReportOptions& options) {
       lines.push_back({absl::StrCat(contender.name, ", ", rung.label), contender.color, true, rung.apply});
     }
   }
-  if (lines.front().label == "line/slice") {
+  const auto is_slice = [](const Contender& contender) { return contender.name == "line/slice"; };
+  if (std::any_of(contenders.begin(), contenders.end(), is_slice)) {
     lines.push_back({"line/slice, 16 instants", PlotColors()[4], false, [](RenderSettings& s) {
                        s.integrator = IntegratorKind::kLine;
                        s.time_samples = 16;

@@ -38,7 +38,7 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   /// What a triangle looks like, if a few colours say it.
   std::optional<ColorNodes> ColorsOf(uint32_t triangle) const;
   double AlphaAt(uint32_t triangle, double b1, double b2, double t) const override;
-  /// One colour that stands for the triangle.
+  /// One colour that stands for the triangle, but where its texture moves.
   std::optional<V3f> GuessOf(uint32_t triangle) const;
   void RenderPart(const TileRect& part, const TileRect& rect, std::span<float> pixels,
                   RenderStats& stats) const;

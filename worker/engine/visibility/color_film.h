@@ -34,7 +34,7 @@ class ColorFilm {
   using Guesser = std::function<std::optional<V3f>(uint32_t triangle)>;
 
   /// Without a guesser nothing can be measured before it is rendered. `points`, which may be null and must
-  /// outlive the film, is asked about triangles of which `shader` says nothing.
+  /// outlive the film, is asked about triangles of which `shader`, or the guesser, says nothing.
   explicit ColorFilm(Shader shader, Guesser guesser = {}, PointColors* points = nullptr)
       : shader_(std::move(shader)), guesser_(std::move(guesser)), points_(points) {}
 
