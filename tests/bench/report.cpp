@@ -46,7 +46,8 @@ std::string Provenance(const ReportOptions& options) {
                       "; a frame's time is set-up (pose, hierarchies) + tiles' time × tiles of the frame / "
                       "tiles measured, by ",
                       options.cpu_clock ? "CPU time of the process over the number of threads" : "wall clock",
-                      ". Times of tiles are medians of 5 runs, of 3 where a run takes more than 1 s, of 1 "
+                      ". Times of tiles are medians of ", options.MostRuns(),
+                      " runs, of 3 where a run takes more than 1 s, of 1 "
                       "where it takes more than 3 s. "
                       "References have ",
                       options.Spp(), " points a pixel in two independent halves.");

@@ -29,6 +29,8 @@ struct ReportOptions {
 
   int Side() const { return side > 0 ? side : quick ? 8 : 5; }
   int Spp() const { return spp > 0 ? spp : quick ? 1024 : 4096; }
+  /// Of a setting; fewer where one takes long.
+  int MostRuns() const { return quick ? 3 : 5; }
   /// A ladder is climbed no further once a run over the subset has taken this many seconds.
   double LongestRun() const { return quick ? 1.0 : 3.0; }
 };

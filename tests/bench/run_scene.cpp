@@ -22,9 +22,10 @@ absl::StatusOr<RunRow> RunRung(const LoadedScene& loaded, const BenchScene& scen
              .measurement = {},
              .errors = {}};
   rung.apply(row.settings);
-  SL_ASSIGN_OR_RETURN(row.measurement,
-                      Measure(loaded.scene, scene.frame, row.settings, subset,
-                              {.threads = options.threads, .most_runs = 5, .new_seeds = contender.random}));
+  SL_ASSIGN_OR_RETURN(
+      row.measurement,
+      Measure(loaded.scene, scene.frame, row.settings, subset,
+              {.threads = options.threads, .most_runs = options.MostRuns(), .new_seeds = contender.random}));
   SL_ASSIGN_OR_RETURN(row.errors,
                       MeasureErrors(row.measurement.pictures, result.reference, masks, options.threads));
   return row;

@@ -41,6 +41,7 @@ LineIntegrator::LineIntegrator(std::shared_ptr<const FrameScene> frame, Shader s
       outputs_(shader_, texels_, settings),
       resolver_(MakeResolver(settings)),
       traits_(shader_.Traits()),
+      pairs_(shader_, texels_, traits_),
       required_traits_(traits_) {
   if (!HasPixelBox(settings)) filter_.emplace(settings.filter, FilterRadius(settings));
   outputs_.Require(required_traits_);
@@ -135,31 +136,21 @@ std::optional<V3f> LineIntegrator::GuessOf(uint32_t triangle) const {
   return shader_.ShadeInTheOpen(triangle, {1.0 / 3, 1.0 / 3}, kWhole);
 }
 
-Shaded LineIntegrator::ShadePair(const PixelPair& pair, TexelShader::Lately& lately,
-                                 RenderStats& stats) const {
-  const PrimitiveTraits& traits = traits_[frame_->triangles[pair.triangle].primitive];
-  if (!traits.needs_position) return shader_.ShadeFully(pair.triangle, {}, {});
-  const Barycentric at{pair.b1 / double(pair.weight), pair.b2 / double(pair.weight)};
-  return texels_.Shade(pair.triangle, at, pair.MiddleTime(), lately, stats);
-}
-
 void LineIntegrator::ShadePixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film,
                                  double instants, const TileRect& rect, std::span<float> pixels,
                                  RenderStats& stats) const {
   PixelSum sum;
   std::vector<SeenPair> seen;
-  TexelShader::Lately lately(shader_);
+  const std::vector<Shaded> shaded = pairs_.ShadeAll(weights, stats);
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x) {
-      // Shade each pair once.
       sum.Clear();
       seen.clear();
       weights.ForEach(int64_t{y} * part.width + x, [&](const PixelPair& pair) {
-        const Shaded shaded = ShadePair(pair, lately, stats);
-        sum.Add(pair.weight, shaded.radiance);
-        if (!outputs_.empty()) seen.push_back(outputs_.Look(pair, shaded.openness, stats));
+        const Shaded& of_pair = shaded[weights.NumberOf(pair)];
+        sum.Add(pair.weight, of_pair.radiance);
+        if (!outputs_.empty()) seen.push_back(outputs_.Look(pair, of_pair.openness, stats));
       });
-      stats.pairs += int64_t(sum.count());
       const std::span<float> pixel = PixelOf(part, x, y, rect, pixels);
       sum.Write(film.At(int64_t{y} * part.width + x), weights.total(), pixel);
       if (outputs_.empty()) continue;
@@ -176,16 +167,14 @@ void LineIntegrator::SpreadPixels(const TileRect& part, const PairWeights& weigh
                                   RenderStats& stats) const {
   const int reach = filter_->reach();
   const SpreadPairs::Grid grid{part.width + 2 * reach, part.height + 2 * reach, reach};
-  TexelShader::Lately lately(shader_);
-  std::vector<V3f> colors(weights.Count() + 1);
+  const std::vector<Shaded> shaded = pairs_.ShadeAll(weights, stats);
   std::vector<SeenPair> looks(outputs_.empty() ? 0 : weights.Count() + 1);
   const SpreadPairs apart(grid, weights);
-  apart.ForAll([&](uint32_t number, const PixelPair& pair) {
-    const Shaded shaded = ShadePair(pair, lately, stats);
-    colors[number] = shaded.radiance;
-    if (!outputs_.empty()) looks[number] = outputs_.Look(pair, shaded.openness, stats);
-    ++stats.pairs;
-  });
+  if (!outputs_.empty()) {
+    apart.ForAll([&](uint32_t number, const PixelPair& pair) {
+      looks[number] = outputs_.Look(pair, shaded[number].openness, stats);
+    });
+  }
   const SpreadPairs colored(grid, film.pairs());
   std::vector<SeenPair> colored_looks;
   if (!outputs_.empty()) {
@@ -206,7 +195,7 @@ void LineIntegrator::SpreadPixels(const TileRect& part, const PairWeights& weigh
       sum.Clear();
       seen.clear();
       apart.ForReaching(x, y, [&](uint32_t number, uint64_t weight) {
-        sum.Add(weight, colors[number]);
+        sum.Add(weight, shaded[number].radiance);
         if (!outputs_.empty()) see(looks[number], weight);
       });
       const std::span<float> pixel = PixelOf(part, x, y, rect, pixels);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/engine/accel/bvh.h"
+#include "worker/engine/render/pair_shader.h"
 #include "worker/engine/render/pixel_outputs.h"
 #include "worker/engine/render/tile_integrator.h"
 #include "worker/engine/render/tile_texels.h"
@@ -48,7 +49,6 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   /// The same where pairs and film are those of the part grown by the filter's reach.
   void SpreadPixels(const TileRect& part, const PairWeights& weights, const ColorFilm& film, double instants,
                     const TileRect& rect, std::span<float> pixels, RenderStats& stats) const;
-  Shaded ShadePair(const PixelPair& pair, TexelShader::Lately& lately, RenderStats& stats) const;
   /// All channels of pixel (x, y) of `part`, in the pixels of `rect`.
   std::span<float> PixelOf(const TileRect& part, int x, int y, const TileRect& rect,
                            std::span<float> pixels) const;
@@ -60,8 +60,9 @@ class LineIntegrator final : public TileIntegrator, private AlphaSource {
   mutable TexelDesks desks_;
   PixelOutputs outputs_;
   std::unique_ptr<const Resolver> resolver_;
-  std::optional<PixelFilter> filter_;             ///< None: pixels see what lies within them.
-  std::vector<PrimitiveTraits> traits_;           ///< What shading needs.
+  std::optional<PixelFilter> filter_;    ///< None: pixels see what lies within them.
+  std::vector<PrimitiveTraits> traits_;  ///< What shading needs.
+  PairShader pairs_;
   std::vector<PrimitiveTraits> required_traits_;  ///< The same and what outputs need.
 };
 

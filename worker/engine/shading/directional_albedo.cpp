@@ -1,7 +1,6 @@
 #include "worker/engine/shading/directional_albedo.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -11,21 +10,19 @@
 namespace shutterline::engine {
 namespace {
 
-constexpr int kSide = 32;
+constexpr int kSide = DirectionalAlbedoTable::kSide;
 constexpr int kSamples = 256;
 
-struct Table {
-  std::array<std::array<DirectionalAlbedo, kSide>, kSide> rows;  ///< By roughness, then by N·V.
-
-  Table() {
-    for (int r = 0; r < kSide; ++r) {
-      for (int v = 0; v < kSide; ++v) {
-        rows[size_t(r)][size_t(v)] =
-            IntegrateDirectionalAlbedo(v / double(kSide - 1), r / double(kSide - 1), kSamples);
-      }
+DirectionalAlbedoTable MakeTable() {
+  DirectionalAlbedoTable table;
+  for (int r = 0; r < kSide; ++r) {
+    for (int v = 0; v < kSide; ++v) {
+      table.rows[size_t(r)][size_t(v)] =
+          IntegrateDirectionalAlbedo(v / double(kSide - 1), r / double(kSide - 1), kSamples);
     }
   }
-};
+  return table;
+}
 
 DirectionalAlbedo Mix(const DirectionalAlbedo& a, const DirectionalAlbedo& b, double part) {
   return {a.scale + part * (b.scale - a.scale), a.bias + part * (b.bias - a.bias)};
@@ -56,8 +53,13 @@ DirectionalAlbedo IntegrateDirectionalAlbedo(double n_dot_v, double roughness, i
   return {sum.scale / samples, sum.bias / samples};
 }
 
+const DirectionalAlbedoTable& DirectionalAlbedoTable::Get() {
+  static const DirectionalAlbedoTable table = MakeTable();
+  return table;
+}
+
 DirectionalAlbedo GgxDirectionalAlbedo(double n_dot_v, double roughness) {
-  static const Table table;
+  const DirectionalAlbedoTable& table = DirectionalAlbedoTable::Get();
   const double x = std::clamp(n_dot_v, 0.0, 1.0) * (kSide - 1);
   const double y = std::clamp(roughness, 0.0, 1.0) * (kSide - 1);
   const auto i = size_t(std::min(int(x), kSide - 2)), j = size_t(std::min(int(y), kSide - 2));

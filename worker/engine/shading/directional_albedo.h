@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 namespace shutterline::engine {
 
 /// What a GGX surface reflects of light that comes from everywhere alike, towards a viewer: with Schlick's
@@ -12,6 +14,16 @@ struct DirectionalAlbedo {
 /// `n_dot_v` and `roughness` (the square root of α) in [0, 1]. From a table, made by quadrature when first
 /// asked; within 0.005 of the integral. Thread-safe.
 DirectionalAlbedo GgxDirectionalAlbedo(double n_dot_v, double roughness);
+
+/// That table: by roughness, then by N·V, both equally spaced from 0 to 1. Linear in between.
+struct DirectionalAlbedoTable {
+  static constexpr int kSide = 32;
+
+  /// Thread-safe.
+  static const DirectionalAlbedoTable& Get();
+
+  std::array<std::array<DirectionalAlbedo, kSide>, kSide> rows;
+};
 
 /// The integral itself by `samples` points.
 DirectionalAlbedo IntegrateDirectionalAlbedo(double n_dot_v, double roughness, int samples);

@@ -15,16 +15,17 @@ bool AreEqual(const TextureTransform& a, const TextureTransform& b) {
 
 PreparedMaterial::PreparedMaterial(const FrameScene& frame, const FramePrimitive& primitive) {
   const Material& material = *primitive.material;
-  const auto prepare = [&](const TextureRef& reference, TextureEncoding encoding) {
-    return Prepare(frame, *primitive.source, reference, encoding);
+  const auto prepare = [&](TextureSlot slot, const TextureRef& reference, TextureEncoding encoding) {
+    textures_[size_t(slot)] = Prepare(frame, *primitive.source, reference, encoding);
   };
-  base_color = prepare(material.base_color_texture, TextureEncoding::kSrgb);
-  metallic_roughness = prepare(material.metallic_roughness_texture, TextureEncoding::kLinear);
-  if (primitive.has_tangents) normal = prepare(material.normal_texture, TextureEncoding::kLinear);
-  occlusion = prepare(material.occlusion_texture, TextureEncoding::kLinear);
-  emissive = prepare(material.emissive_texture, TextureEncoding::kSrgb);
-  specular = prepare(material.specular_texture, TextureEncoding::kLinear);
-  specular_color = prepare(material.specular_color_texture, TextureEncoding::kSrgb);
+  constexpr TextureEncoding kSrgb = TextureEncoding::kSrgb, kLinear = TextureEncoding::kLinear;
+  prepare(TextureSlot::kBaseColor, material.base_color_texture, kSrgb);
+  prepare(TextureSlot::kMetallicRoughness, material.metallic_roughness_texture, kLinear);
+  if (primitive.has_tangents) prepare(TextureSlot::kNormal, material.normal_texture, kLinear);
+  prepare(TextureSlot::kOcclusion, material.occlusion_texture, kLinear);
+  prepare(TextureSlot::kEmissive, material.emissive_texture, kSrgb);
+  prepare(TextureSlot::kSpecular, material.specular_texture, kLinear);
+  prepare(TextureSlot::kSpecularColor, material.specular_color_texture, kSrgb);
   // An index of 0 stands for infinity: everything is mirrored [KHR_materials_ior].
   const double r = material.ior == 0 ? 1 : (double(material.ior) - 1) / (double(material.ior) + 1);
   head_on = r * r;

@@ -8,6 +8,7 @@
 
 #include "common/math/spaces.h"
 #include "worker/engine/scene/frame_scene.h"
+#include "worker/engine/shading/texture_slot.h"
 #include "worker/engine/shading/texture_transform.h"
 #include "worker/engine/shading/texture_walk.h"
 
@@ -41,7 +42,7 @@ class PreparedMaterial {
   TriangleCoordinates CoordinatesOn(int n, const std::array<size_t, 3>& corners) const;
   bool HasCoordinates() const { return !coordinates_.empty(); }
 
-  PreparedTexture base_color, metallic_roughness, normal, occlusion, emissive, specular, specular_color;
+  const PreparedTexture& Of(TextureSlot slot) const { return textures_[size_t(slot)]; }
   double head_on = 0.04;  ///< The square of (n - 1) / (n + 1), n being the index of refraction.
 
  private:
@@ -53,6 +54,7 @@ class PreparedMaterial {
   int CoordinatesOf(const std::vector<V2f>& of_vertices, const TextureTransform& transform);
   int WalkOf(int coordinates, const WalkedImage& image);
 
+  std::array<PreparedTexture, kTextureSlots> textures_;
   std::vector<Coordinates> coordinates_;
   std::vector<std::pair<int, WalkedImage>> walks_;
 };

@@ -78,6 +78,13 @@ class Shader {
   /// Whether shading a material takes long: where ambient occlusion is computed for it.
   bool IsDear(const Material& material) const { return occlusion_ != nullptr && !material.unlit; }
 
+  /// Whether nothing but sky and ambient light, unoccluded, and the surface's own shows it.
+  bool IsLitBySkyAlone(const FramePrimitive& primitive) const {
+    return !primitive.material->unlit && occlusion_ == nullptr && !lighting_.head_light &&
+           lighting_.lights.empty() && lighting_.HasSky();
+  }
+  const PreparedMaterial& MaterialOf(uint32_t primitive) const { return materials_[primitive]; }
+  const Lighting& lighting() const { return lighting_; }
   const FrameScene& frame() const { return *frame_; }
 
  private:

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <mutex>
 
 #include "common/base/work_limit.h"
 #include "common/math/unit_vector.h"
 #include "worker/engine/shading/ggx.h"
 #include "worker/engine/shading/half_vectors.h"
-#include "worker/engine/shading/quick_angle.h"
 
 namespace shutterline::engine {
 namespace {
@@ -21,150 +19,13 @@ constexpr int kSkySamples = 128;
 /// Lobes of these are stored; between them radiance is mixed.
 constexpr double kRoughnesses[] = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0};
 
-/// Real spherical harmonics up to the second degree.
-std::array<double, 9> Harmonics(const V3d& d) {
-  return {0.28209479177387814,
-          0.4886025119029199 * d.y,
-          0.4886025119029199 * d.z,
-          0.4886025119029199 * d.x,
-          1.0925484305920792 * d.x * d.y,
-          1.0925484305920792 * d.y * d.z,
-          0.31539156525252005 * (3 * d.z * d.z - 1),
-          1.0925484305920792 * d.x * d.z,
-          0.5462742152960396 * (d.x * d.x - d.y * d.y)};
-}
-
 /// What the cosine lobe, over π, leaves of a harmonic of each degree.
 constexpr double kCosineLobe[] = {1.0, 2.0 / 3, 0.25};
 constexpr int kDegree[] = {0, 1, 1, 1, 2, 2, 2, 2, 2};
 
-double RowSolidAngle(int y, int width, int height) {
-  return 2 * M_PI / width * (std::cos(M_PI * y / height) - std::cos(M_PI * (y + 1) / height));
-}
-
-}  // namespace
-
-SkyMap::Level SkyMap::Level::OfSize(int width, double roughness) {
-  Level level;
-  level.width = width;
-  level.height = width / 2;
-  level.roughness = roughness;
-  level.texels.assign(size_t(level.width) * size_t(level.height) + 1, V3f(0));
-  return level;
-}
-
-V3d SkyMap::Level::DirectionOf(int x, int y) const {
-  const double longitude = 2 * M_PI * (x + 0.5) / width;
-  const double latitude = M_PI * (y + 0.5) / height;
-  return {std::sin(latitude) * std::sin(longitude), std::cos(latitude),
-          -std::sin(latitude) * std::cos(longitude)};
-}
-
-V2d SkyMap::Level::AnglesOf(const V3d& direction) {
-  const double longitude = QuickAngle(direction.x, -direction.z) / (2 * M_PI);
-  const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
-  return {longitude < 0 ? longitude + 1 : longitude, QuickAngle(level, direction.y) / M_PI};
-}
-
-V3d SkyMap::Level::At(const V2d& angles) const {
-  // Both are at least -1/2: what is cut off is what lies above the integer.
-  const double x = angles.x * width + (width - 0.5), y = angles.y * height + 0.5;
-  const int column = int(x), row = int(y);
-  const auto fx = float(x - column), fy = float(y - row);
-  int x0 = column;
-  while (x0 >= width) x0 -= width;  // Once or twice: no division is as quick.
-  const int x1 = x0 + 1 < width ? x0 + 1 : 0;
-  const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
-  const Float4 upper = Mix(Padded(x0, y0), Padded(x1, y0), fx);
-  const Float4 lower = Mix(Padded(x0, y1), Padded(x1, y1), fx);
-  const Float4 mixed = Mix(upper, lower, fy);
-  return {mixed[0], mixed[1], mixed[2]};
-}
-
-Float4 SkyMap::Level::Padded(int x, int y) const {
-  Float4 texel;
-  std::memcpy(&texel, reinterpret_cast<const char*>(texels.data()) + sizeof(V3f) * IndexOf(x, y),
-              sizeof(texel));
-  return texel;
-}
-
-std::shared_ptr<const SkyMap> SkyMap::Uniform(const V3d& radiance) {
-  std::shared_ptr<SkyMap> sky(new SkyMap);
-  sky->uniform_ = radiance;
-  return sky;
-}
-
-std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) {
-  std::shared_ptr<SkyMap> sky(new SkyMap);
-  Level sharp = Level::OfSize(std::max(width, 8), 0);
-  tbb::parallel_for(0, sharp.height, [&](int y) {
-    for (int x = 0; x < sharp.width; ++x) {
-      sharp.texels[sharp.IndexOf(x, y)] = V3f(radiance(sharp.DirectionOf(x, y)));
-    }
-  });
-  sky->ProjectToHarmonics(sharp);
-
-  std::vector<Level> sources = {sharp};
-  while (sources.back().width > 16) sources.push_back(Halved(sources.back()));
-  sky->levels_.push_back(std::move(sharp));
-  for (const double roughness : kRoughnesses) {
-    // Some texels across a lobe, which is about 2 α wide.
-    const int across = 4 * int(1 / (roughness * roughness));
-    const int finest = sky->levels_.front().width;
-    sky->levels_.push_back(
-        Filtered(sources, std::clamp(across, std::min(32, finest), std::min(128, finest)), roughness));
-  }
-  return sky;
-}
-
-std::shared_ptr<const SkyMap> SkyMap::Of(const std::shared_ptr<const Environment>& environment) {
-  static std::mutex mutex;
-  static std::weak_ptr<const Environment> last;
-  static std::shared_ptr<const SkyMap> sky_of_last;
-  std::unique_lock<std::mutex> lock(mutex, std::defer_lock);
-  {
-    const WorkPause others;  // Who makes the sky of another job is not this one's time.
-    lock.lock();
-  }
-  if (last.lock() == environment && sky_of_last != nullptr) return sky_of_last;
-  Level picture = Level::OfSize(environment->width, 0);
-  std::copy(environment->texels.begin(), environment->texels.end(), picture.texels.begin());
-  // As many texels as a power of two, at most two of the picture's in a row for one: sampling takes their
-  // mean.
-  constexpr int kWidest = 4096;
-  const int width = std::min(int(std::bit_floor(unsigned(environment->width))), kWidest);
-  sky_of_last = Make([&](const V3d& direction) { return picture.Sample(direction); }, width);
-  last = environment;
-  return sky_of_last;
-}
-
-void SkyMap::ProjectToHarmonics(const Level& sharp) {
-  harmonics_.fill(V3d(0));
-  for (int y = 0; y < sharp.height; ++y) {
-    const double solid_angle = RowSolidAngle(y, sharp.width, sharp.height);
-    for (int x = 0; x < sharp.width; ++x) {
-      const std::array<double, 9> basis = Harmonics(sharp.DirectionOf(x, y));
-      for (size_t i = 0; i < basis.size(); ++i) {
-        harmonics_[i] += (basis[i] * solid_angle) * V3d(sharp.At(x, y));
-      }
-    }
-  }
-  for (size_t i = 0; i < harmonics_.size(); ++i) harmonics_[i] *= kCosineLobe[kDegree[i]];
-}
-
-SkyMap::Level SkyMap::Halved(const Level& fine) {
-  Level half = Level::OfSize(fine.width / 2, 0);
-  for (int y = 0; y < half.height; ++y) {
-    for (int x = 0; x < half.width; ++x) {
-      half.texels[half.IndexOf(x, y)] = 0.25f * (fine.At(2 * x, 2 * y) + fine.At(2 * x + 1, 2 * y) +
-                                                 fine.At(2 * x, 2 * y + 1) + fine.At(2 * x + 1, 2 * y + 1));
-    }
-  }
-  return half;
-}
-
-SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, double roughness) {
-  Level level = Level::OfSize(width, roughness);
+/// By the lobe of this roughness, from maps each half of the one before.
+LatLongMap Filtered(const std::vector<LatLongMap>& sources, int width, double roughness) {
+  LatLongMap level = LatLongMap::OfSize(width);
   const double alpha = roughness * roughness;
   // Light directions about +z under the lobe, and the source map whose texels are as large as what a sample
   // stands for [krivanek2008].
@@ -193,19 +54,102 @@ SkyMap::Level SkyMap::Filtered(const std::vector<Level>& sources, int width, dou
     const V3d bitangent = normal.cross(tangent);
     std::vector<V2d> angles;
     for (const Sample& s : samples) {
-      angles.push_back(Level::AnglesOf(s.light.x * tangent + s.light.y * bitangent + s.light.z * normal));
+      angles.push_back(LatLongOf(s.light.x * tangent + s.light.y * bitangent + s.light.z * normal));
     }
     for (int x = 0; x < level.width; ++x) {
       const double turn = double(x) / level.width;
       V3d sum(0);
       for (size_t i = 0; i < samples.size(); ++i) {
         const V2d at(angles[i].x + turn, angles[i].y);
-        sum += samples[i].weight * sources[samples[i].source].At(at);
+        sum += samples[i].weight * sources[samples[i].source].SampleAt(at);
       }
       level.texels[level.IndexOf(x, y)] = V3f(sum / total);
     }
   });
   return level;
+}
+
+double RowSolidAngle(int y, int width, int height) {
+  return 2 * M_PI / width * (std::cos(M_PI * y / height) - std::cos(M_PI * (y + 1) / height));
+}
+
+}  // namespace
+
+std::shared_ptr<const SkyMap> SkyMap::Uniform(const V3d& radiance) {
+  std::shared_ptr<SkyMap> sky(new SkyMap);
+  sky->uniform_ = radiance;
+  return sky;
+}
+
+std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) {
+  std::shared_ptr<SkyMap> sky(new SkyMap);
+  LatLongMap sharp = LatLongMap::OfSize(std::max(width, 8));
+  tbb::parallel_for(0, sharp.height, [&](int y) {
+    for (int x = 0; x < sharp.width; ++x) {
+      sharp.texels[sharp.IndexOf(x, y)] = V3f(radiance(sharp.DirectionOf(x, y)));
+    }
+  });
+  sky->ProjectToHarmonics(sharp);
+
+  const int finest = sharp.width;
+  std::vector<LatLongMap> sources = {std::move(sharp)};
+  while (sources.back().width > 16) sources.push_back(LatLongMap::Halved(sources.back()));
+  std::vector<LatLongMap> rougher;
+  for (const double roughness : kRoughnesses) {
+    // Some texels across a lobe, which is about 2 α wide.
+    const int across = 4 * int(1 / (roughness * roughness));
+    rougher.push_back(
+        Filtered(sources, std::clamp(across, std::min(32, finest), std::min(128, finest)), roughness));
+  }
+  sky->Append(std::move(sources.front()), 0);
+  for (size_t i = 0; i < rougher.size(); ++i) sky->Append(std::move(rougher[i]), kRoughnesses[i]);
+  return sky;
+}
+
+void SkyMap::Append(LatLongMap map, double roughness) {
+  // The last texel of a map is the spare one.
+  if (!texels_.empty()) texels_.pop_back();
+  maps_.push_back({map.width, map.height, roughness, texels_.size()});
+  if (texels_.empty()) {
+    texels_ = std::move(map.texels);
+  } else {
+    texels_.insert(texels_.end(), map.texels.begin(), map.texels.end());
+  }
+}
+
+std::shared_ptr<const SkyMap> SkyMap::Of(const std::shared_ptr<const Environment>& environment) {
+  static std::mutex mutex;
+  static std::weak_ptr<const Environment> last;
+  static std::shared_ptr<const SkyMap> sky_of_last;
+  std::unique_lock<std::mutex> lock(mutex, std::defer_lock);
+  {
+    const WorkPause others;  // Who makes the sky of another job is not this one's time.
+    lock.lock();
+  }
+  if (last.lock() == environment && sky_of_last != nullptr) return sky_of_last;
+  LatLongMap picture = LatLongMap::OfSize(environment->width);
+  std::copy(environment->texels.begin(), environment->texels.end(), picture.texels.begin());
+  // As many texels as a power of two, at most two of the picture's in a row for one: sampling takes their
+  // mean.
+  constexpr int kWidest = 4096;
+  const int width = std::min(int(std::bit_floor(unsigned(environment->width))), kWidest);
+  sky_of_last = Make([&](const V3d& direction) { return picture.Sample(direction); }, width);
+  last = environment;
+  return sky_of_last;
+}
+
+void SkyMap::ProjectToHarmonics(const LatLongMap& sharp) {
+  harmonics_.fill(V3d(0));
+  for (int y = 0; y < sharp.height; ++y) {
+    const double solid_angle = RowSolidAngle(y, sharp.width, sharp.height);
+    for (int x = 0; x < sharp.width; ++x) {
+      const std::array<double, 9> basis = Harmonics(sharp.DirectionOf(x, y));
+      for (size_t i = 0; i < basis.size(); ++i) {
+        harmonics_[i] += (basis[i] * solid_angle) * V3d(sharp.At(x, y));
+      }
+    }
+  }
+  for (size_t i = 0; i < harmonics_.size(); ++i) harmonics_[i] *= kCosineLobe[kDegree[i]];
 }
 
 V3d SkyMap::Diffuse(const V3d& normal) const {
@@ -220,13 +164,14 @@ V3d SkyMap::Diffuse(const V3d& normal) const {
 V3d SkyMap::Glossy(const V3d& direction, double roughness) const {
   if (is_uniform()) return uniform_;
   size_t i = 0;
-  while (i + 2 < levels_.size() && levels_[i + 1].roughness < roughness) ++i;
-  const double part = std::clamp(
-      (roughness - levels_[i].roughness) / (levels_[i + 1].roughness - levels_[i].roughness), 0.0, 1.0);
-  const V2d angles = Level::AnglesOf(direction);
-  const V3d sharper = levels_[i].At(angles);
+  while (i + 2 < maps_.size() && maps_[i + 1].roughness < roughness) ++i;
+  const Map &sharp = maps_[i], &rough = maps_[i + 1];
+  const double part =
+      std::clamp((roughness - sharp.roughness) / (rough.roughness - sharp.roughness), 0.0, 1.0);
+  const V2d angles = LatLongOf(direction);
+  const V3d sharper = SampleAt(sharp, angles);
   if (part == 0) return sharper;
-  return sharper + part * (levels_[i + 1].At(angles) - sharper);
+  return sharper + part * (SampleAt(rough, angles) - sharper);
 }
 
 }  // namespace shutterline::engine

@@ -3,11 +3,12 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "common/math/spaces.h"
 #include "worker/engine/scene/environment.h"
-#include "worker/engine/scene/float4.h"
+#include "worker/engine/shading/lat_long_map.h"
 
 namespace shutterline::engine {
 
@@ -29,42 +30,57 @@ class SkyMap {
   /// Of a picture. The last one made is kept, as the frames of a scene share it. Thread-safe.
   static std::shared_ptr<const SkyMap> Of(const std::shared_ptr<const Environment>& environment);
 
+  /// Real spherical harmonics up to the second degree, of a unit direction.
+  static std::array<double, 9> Harmonics(const V3d& d) {
+    return {kHarmonics[0],
+            kHarmonics[1] * d.y,
+            kHarmonics[1] * d.z,
+            kHarmonics[1] * d.x,
+            kHarmonics[2] * d.x * d.y,
+            kHarmonics[2] * d.y * d.z,
+            kHarmonics[3] * (3 * d.z * d.z - 1),
+            kHarmonics[2] * d.x * d.z,
+            kHarmonics[4] * (d.x * d.x - d.y * d.y)};
+  }
+  static constexpr double kHarmonics[] = {0.28209479177387814, 0.4886025119029199, 1.0925484305920792,
+                                          0.31539156525252005, 0.5462742152960396};
+
   /// Irradiance over π on a surface with this normal: the radiance that a white matte surface shows.
   V3d Diffuse(const V3d& normal) const;
 
   /// The mean radiance around `direction` under the lobe of `roughness` in [0, 1].
   V3d Glossy(const V3d& direction, double roughness) const;
 
-  bool is_uniform() const { return levels_.empty(); }
+  bool is_uniform() const { return maps_.empty(); }
 
- private:
-  /// Latitude by longitude, rows from the top (+y), x from −z around by +x.
-  struct Level {
-    /// Longitude and latitude of a direction as parts of a map's width and height, the former in [0, 1).
-    static V2d AnglesOf(const V3d& direction);
+  // What vectors look up by themselves.
 
+  /// A map of what surfaces mirror, see LatLongMap.
+  struct Map {
     int width = 0, height = 0;
     double roughness = 0;
-    std::vector<V3f> texels;  ///< And one more, so that each can be read as four floats.
-
-    size_t IndexOf(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
-    const V3f& At(int x, int y) const { return texels[IndexOf(x, y)]; }
-    /// With a fourth number that means nothing.
-    Float4 Padded(int x, int y) const;
-    V3d Sample(const V3d& direction) const { return At(AnglesOf(direction)); }
-    V3d At(const V2d& angles) const;
-    static Level OfSize(int width, double roughness);
-    V3d DirectionOf(int x, int y) const;
+    size_t first = 0;  ///< The number of its first texel.
   };
+  /// By roughness: the first is 0, the last 1. None where the sky is uniform.
+  std::span<const Map> maps() const { return maps_; }
+  /// Of all maps, and one more, so that each can be read as four floats.
+  std::span<const V3f> texels() const { return texels_; }
+  /// What Diffuse weights harmonics by, see Harmonics; means nothing where the sky is uniform.
+  const std::array<V3d, 9>& harmonics() const { return harmonics_; }
+  const V3d& uniform() const { return uniform_; }
 
+ private:
   SkyMap() = default;
-  void ProjectToHarmonics(const Level& sharp);
-  static Level Halved(const Level& fine);
-  static Level Filtered(const std::vector<Level>& sources, int width, double roughness);
+  void ProjectToHarmonics(const LatLongMap& sharp);
+  void Append(LatLongMap map, double roughness);
+  V3d SampleAt(const Map& map, const V2d& angles) const {
+    return SampleLatLong(texels_.data() + map.first, map.width, map.height, angles);
+  }
 
   V3d uniform_{0, 0, 0};
-  std::array<V3d, 9> harmonics_;
-  std::vector<Level> levels_;  ///< By roughness, the first is 0, the last 1.
+  std::array<V3d, 9> harmonics_{};
+  std::vector<Map> maps_;
+  std::vector<V3f> texels_;
 };
 
 }  // namespace shutterline::engine

@@ -28,8 +28,7 @@ V4d VertexColor(const FramePrimitive& primitive, const std::array<size_t, 3>& co
 
 V4d BaseColor(const FramePrimitive& primitive, const PreparedMaterial& material,
               const std::array<size_t, 3>& corners, const Barycentric& at, TextureLookup& textures) {
-  return V4d(primitive.material->base_color_factor) * VertexColor(primitive, corners, at) *
-         textures.Color(material.base_color);
+  return TintAt(primitive, corners, at) * textures.Color(material.Of(TextureSlot::kBaseColor));
 }
 
 V3d Rgb(const V4d& color) {
@@ -40,7 +39,7 @@ V3d Rgb(const V4d& color) {
 V3d TexturedNormal(const FrameScene& frame, const SurfaceTriangle& triangle,
                    const std::array<double, 3>& weights, TextureLookup& textures, const V3d& normal) {
   const Material& material = *triangle.primitive->material;
-  const V4d texel = textures.Color(triangle.material->normal);
+  const V4d texel = textures.Color(triangle.material->Of(TextureSlot::kNormal));
   const V3d bent(material.normal_scale * (2 * texel.x - 1), material.normal_scale * (2 * texel.y - 1),
                  2 * texel.z - 1);
   const FramePrimitive& primitive = *triangle.primitive;
@@ -117,6 +116,10 @@ SurfaceTriangle::SurfaceTriangle(const FrameScene& frame, const PreparedMaterial
   if (face == V3d(0)) face = UnitOrZero(UnitOrZero(edge1).cross(UnitOrZero(edge2)));
 }
 
+V4d TintAt(const FramePrimitive& primitive, const std::array<size_t, 3>& corners, const Barycentric& at) {
+  return V4d(primitive.material->base_color_factor) * VertexColor(primitive, corners, at);
+}
+
 V4d BaseColorAt(const FramePrimitive& primitive, const PreparedMaterial& material,
                 const FrameTriangle& triangle, const Barycentric& at, const Footprint& footprint) {
   const TexturedTriangle textured(material, CornersInMesh(primitive, triangle));
@@ -132,19 +135,20 @@ Surface SurfaceAt(const FrameScene& frame, const SurfaceTriangle& triangle, cons
   const std::array<double, 3> weights{1 - at.b1 - at.b2, at.b1, at.b2};
   TextureLookup textures(prepared, triangle.textured, at, footprint);
   // What nearly all textured materials have is fetched while the surface is placed.
-  textures.Prefetch(prepared.base_color);
-  textures.Prefetch(prepared.metallic_roughness);
-  textures.Prefetch(prepared.normal);
+  textures.Prefetch(prepared.Of(TextureSlot::kBaseColor));
+  textures.Prefetch(prepared.Of(TextureSlot::kMetallicRoughness));
+  textures.Prefetch(prepared.Of(TextureSlot::kNormal));
   Surface surface;
   PlaceInSpace(frame, triangle, weights, textures, surface);
   surface.base_color = Rgb(BaseColor(primitive, prepared, triangle.textured.corners, at, textures));
 
-  const V4d metallic_roughness = textures.Color(prepared.metallic_roughness);
+  const V4d metallic_roughness = textures.Color(prepared.Of(TextureSlot::kMetallicRoughness));
   surface.metallic = std::clamp(material.metallic_factor * metallic_roughness.z, 0.0, 1.0);
   surface.roughness = std::clamp(material.roughness_factor * metallic_roughness.y, 0.0, 1.0);
 
-  const double specular = material.specular_factor * textures.Color(prepared.specular).w;
-  const V3d tint = V3d(material.specular_color_factor) * Rgb(textures.Color(prepared.specular_color));
+  const double specular = material.specular_factor * textures.Color(prepared.Of(TextureSlot::kSpecular)).w;
+  const V3d tint =
+      V3d(material.specular_color_factor) * Rgb(textures.Color(prepared.Of(TextureSlot::kSpecularColor)));
   for (int c = 0; c < 3; ++c) {
     const double dielectric = std::min(prepared.head_on * tint[c], 1.0) * specular;
     surface.f0[c] = dielectric + surface.metallic * (surface.base_color[c] - dielectric);
@@ -152,11 +156,12 @@ Surface SurfaceAt(const FrameScene& frame, const SurfaceTriangle& triangle, cons
   surface.f90 = specular + surface.metallic * (1 - specular);
 
   if (material.occlusion_texture.texture >= 0) {
-    const double open = textures.Color(prepared.occlusion).x;
+    const double open = textures.Color(prepared.Of(TextureSlot::kOcclusion)).x;
     surface.occlusion = 1 + material.occlusion_strength * (open - 1);
   }
   if (material.emissive_factor != V3f(0)) {
-    surface.emission = V3d(material.emissive_factor) * Rgb(textures.Color(prepared.emissive));
+    surface.emission =
+        V3d(material.emissive_factor) * Rgb(textures.Color(prepared.Of(TextureSlot::kEmissive)));
   }
   return surface;
 }

@@ -39,6 +39,9 @@ struct SurfaceTriangle {
   V3d face{0, 0, 0};                    ///< Unit, on the front; zero where the triangle has no normal.
 };
 
+/// Base colour and alpha without the texture: factor × vertex colour. `corners`: see TexturedTriangle.
+V4d TintAt(const FramePrimitive& primitive, const std::array<size_t, 3>& corners, const Barycentric& at);
+
 /// Base colour: factor × vertex colour × texture, with the alpha that they multiply to. All that an unlit
 /// material shows. `triangle` is one of the primitive's.
 V4d BaseColorAt(const FramePrimitive& primitive, const PreparedMaterial& material,

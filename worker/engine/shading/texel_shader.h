@@ -40,8 +40,10 @@ class TexelShader {
 
   /// Does a triangle have texels?
   bool HasTexels(uint32_t triangle) const {
-    return has_texels_[shader_.frame().triangles[triangle].primitive];
+    return HasTexelsOn(shader_.frame().triangles[triangle].primitive);
   }
+  /// Do those of a primitive?
+  bool HasTexelsOn(uint32_t primitive) const { return has_texels_[primitive]; }
   /// Of a triangle that has texels.
   Triangle TriangleOf(uint32_t triangle) const;
   /// The texel around a point of it; nothing where it has none, as it is behind the camera at mid-shutter.

@@ -1,7 +1,6 @@
 #include "worker/engine/shading/texture_walk.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "worker/engine/shading/log2.h"
@@ -104,42 +103,50 @@ void TextureWalk::LookOnce(const WalkedImage& image, const V2d& uv) {
   }
 }
 
-void TextureWalk::Make(const WalkedImage& image, V2d uv, const V2d& duv_dx, const V2d& duv_dy,
-                       int most_probes) {
+WalkPlan WalkPlan::Make(const WalkedImage& image, V2d uv, const V2d& duv_dx, const V2d& duv_dy,
+                        int most_probes) {
   if (!std::isfinite(uv.x)) uv.x = 0;
   if (!std::isfinite(uv.y)) uv.y = 0;
+  WalkPlan plan;
+  plan.uv = uv;
   // Measure the footprint's sides in texels. Squares that overflow are those of sides that cover the image
   // many times: its mean is seen all the same.
   const double width = image.width, height = image.height;
   const V2d side_x(duv_dx.x * width, duv_dx.y * height), side_y(duv_dy.x * width, duv_dy.y * height);
   const double square_x = side_x.dot(side_x), square_y = side_y.dot(side_y);
   const double square = std::max(square_x, square_y);
-  if (!(square > 1)) return LookOnce(image, uv);
+  if (!(square > 1)) return plan;
 
   // The footprint is a parallelogram: so long, and across that side so wide.
-  probes_ = 1;
+  plan.probes = 1;
   double texels_square = square;
   if (std::isfinite(square_x) && std::isfinite(square_y)) {
     const double longest = std::sqrt(square);
     const double area = std::abs(side_x.x * side_y.y - side_x.y * side_y.x);
     const double ratio = longest / std::max(area / longest, 1.0) - 1e-6;
     // The next integer.
-    probes_ =
+    plan.probes =
         ratio < most_probes ? std::clamp(int(ratio) + int(ratio > int(ratio)), 1, most_probes) : most_probes;
-    texels_square = std::max(square / (probes_ * probes_), 1.0);
+    texels_square = std::max(square / (plan.probes * plan.probes), 1.0);
   }
-  const int last = int(std::bit_width(unsigned(std::max(image.width, image.height)))) - 1;
-  const double lod = std::min<double>(0.5 * Log2(texels_square), last);
-  level_ = int(lod);
-  between_ = float(lod - level_);
-
+  const double lod = std::min<double>(0.5 * Log2(texels_square), image.LastLevel());
+  plan.level = int(lod);
+  plan.between = float(lod - plan.level);
   // Look along the longer side.
-  const V2d step = (square_x >= square_y ? duv_dx : duv_dy) / probes_;
+  plan.step = (square_x >= square_y ? duv_dx : duv_dy) / plan.probes;
+  return plan;
+}
+
+void TextureWalk::Follow(const WalkedImage& image, const WalkPlan& plan) {
+  if (plan.probes == 0) return LookOnce(image, plan.uv);
+  probes_ = plan.probes;
+  level_ = plan.level;
+  between_ = plan.between;
   const double first = -0.5 * (probes_ - 1);
   const auto look = [&](int level, std::array<TexelQuad, kMostProbes>& quads) {
     const LevelLooks looks(image, level);
-    if (probes_ == 1) return looks.Bilinear(uv, quads[0]);  // Where steps may be infinite.
-    for (int i = 0; i < probes_; ++i) looks.Bilinear(uv + (first + i) * step, quads[size_t(i)]);
+    if (probes_ == 1) return looks.Bilinear(plan.uv, quads[0]);  // Where steps may be infinite.
+    for (int i = 0; i < probes_; ++i) looks.Bilinear(plan.uv + (first + i) * plan.step, quads[size_t(i)]);
   };
   look(level_, fine_);
   if (between_ > 0) look(level_ + 1, coarse_);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "common/math/spaces.h"
@@ -27,7 +29,25 @@ struct WalkedImage {
         wrap_t(texture.wrap_t),
         nearest(texture.nearest) {}
 
+  /// The number of the level of one texel.
+  int LastLevel() const { return int(std::bit_width(unsigned(std::max(width, height)))) - 1; }
+
   friend bool operator==(const WalkedImage&, const WalkedImage&) = default;
+};
+
+/// What a walk over a footprint looks at: so many places, one step after another, at one level of a pyramid
+/// or at two.
+struct WalkPlan {
+  /// Of places; 0: the footprint is within a texel, and the one place is seen at level 0 as the sampler says.
+  int probes = 0;
+  int level = 0;
+  float between = 0;  ///< How far from that level to the next one.
+  V2d uv{0, 0};       ///< The middle of the footprint.
+  V2d step{0, 0};     ///< From place to place.
+
+  /// Arguments as those of SampleTexture.
+  static WalkPlan Make(const WalkedImage& image, V2d uv, const V2d& duv_dx, const V2d& duv_dy,
+                       int most_probes);
 };
 
 /// Where a texture is looked at under a pixel: so many bilinear looks at one level of its pyramid, or at two
@@ -38,7 +58,10 @@ class TextureWalk {
   TextureWalk() {}  // NOLINT: half a kilobyte that most points need a part of.
 
   /// Arguments as those of SampleTexture.
-  void Make(const WalkedImage& image, V2d uv, const V2d& duv_dx, const V2d& duv_dy, int most_probes);
+  void Make(const WalkedImage& image, const V2d& uv, const V2d& duv_dx, const V2d& duv_dy, int most_probes) {
+    Follow(image, WalkPlan::Make(image, uv, duv_dx, duv_dy, most_probes));
+  }
+  void Follow(const WalkedImage& image, const WalkPlan& plan);
 
   /// What is seen of a pyramid of that image.
   V4f Sample(const MipPyramid& pyramid) const;

@@ -49,6 +49,7 @@ class PairWeights {
   std::span<const uint64_t> SpreadOf(uint32_t number) const {
     return {spreads_.data() + number * spread_, spread_};
   }
+  const PixelPair& Pair(uint32_t number) const { return pairs_[number]; }
   /// Of a pair that ForEach shows: 1 to Count().
   uint32_t NumberOf(const PixelPair& pair) const { return uint32_t(&pair - pairs_.data()); }
   uint32_t Count() const { return uint32_t(pairs_.size() - 1); }

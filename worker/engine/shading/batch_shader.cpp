@@ -1,0 +1,140 @@
+#include "worker/engine/shading/batch_shader.h"
+
+#include "common/base/check.h"
+#include "worker/engine/shading/footprint.h"
+#include "worker/engine/shading/shade_kernels.h"
+
+namespace shutterline::engine {
+namespace {
+
+void PutCoordinates(const TriangleCoordinates& on, size_t i, SurfaceBatch& batch) {
+  size_t component = 0;
+  for (const V2d& v : {on.origin, on.along1, on.along2}) {
+    batch.coordinates[component++][i] = v.x;
+    batch.coordinates[component++][i] = v.y;
+  }
+}
+
+WalkPlan PlanOf(const SurfaceBatch& batch, size_t i) {
+  return {.probes = batch.probes[i],
+          .level = batch.level[i],
+          .between = batch.between[i],
+          .uv = {batch.u[i], batch.v[i]},
+          .step = {batch.step_u[i], batch.step_v[i]}};
+}
+
+/// Calls use(slot) for the textures that are looked at in the same places as `first`.
+template <typename Use>
+void ForWalk(const PreparedMaterial& material, const PreparedTexture& first, const Use& use) {
+  for (size_t slot = 0; slot < kTextureSlots; ++slot) {
+    const PreparedTexture& texture = material.Of(TextureSlot(slot));
+    if (texture.pyramid != nullptr && texture.walk == first.walk) use(slot);
+  }
+}
+
+}  // namespace
+
+BatchShader::BatchShader(const Shader& shader, const TexelShader& texels) : shader_(shader) {
+  const FrameScene& frame = shader.frame();
+  for (uint32_t i = 0; i < frame.primitives.size(); ++i) {
+    const FramePrimitive& primitive = frame.primitives[i];
+    takes_.push_back(primitive.degree == 0 && !texels.HasTexelsOn(i) && shader.IsLitBySkyAlone(primitive));
+    textured_.push_back(IsTextured(frame, primitive));
+  }
+}
+
+void BatchShader::Add(const SurfaceTriangle& triangle, const Barycentric& at, SurfaceBatch& batch) const {
+  const FrameScene& frame = shader_.frame();
+  const FramePrimitive& primitive = *triangle.primitive;
+  const size_t i = batch.count++;
+  batch.b1[i] = at.b1;
+  batch.b2[i] = at.b2;
+  const V4d tint = TintAt(primitive, triangle.textured.corners, at);
+  for (size_t c = 0; c < 3; ++c) {
+    batch.tint[c][i] = tint[int(c)];
+    batch.face[c][i] = triangle.face[int(c)];
+  }
+  for (size_t corner = 0; corner < 3; ++corner) {
+    const RasterPoint& raster = triangle.raster[corner];
+    batch.raster[3 * corner][i] = raster.x;
+    batch.raster[3 * corner + 1][i] = raster.y;
+    batch.raster[3 * corner + 2][i] = raster.w;
+    for (size_t c = 0; c < 3; ++c) batch.corners[3 * corner + c][i] = triangle.corners[corner][int(c)];
+    if (!primitive.has_normals) continue;
+    const V3f& normal = frame.normals[primitive.first_normal + triangle.textured.corners[corner]];
+    for (size_t c = 0; c < 3; ++c) batch.normals[3 * corner + c][i] = normal[int(c)];
+  }
+  PutCoordinates(triangle.textured.first, i, batch);
+  if (!primitive.has_tangents) return;
+  const size_t first = primitive.first_tangent + 3 * size_t(triangle.number - primitive.first_triangle);
+  for (size_t corner = 0; corner < 3; ++corner) {
+    const V4f& tangent = frame.tangents[first + corner];
+    for (size_t c = 0; c < 4; ++c) batch.tangents[4 * corner + c][i] = tangent[int(c)];
+  }
+}
+
+void BatchShader::SampleTextures(const PreparedMaterial& material, std::span<const Point> points,
+                                 TexelShader::Lately& lately, Desk& desk) const {
+  SurfaceBatch& batch = desk.batch;
+  MeasureFootprints(batch);
+  int placed = 0;  // Add has put in the first coordinates.
+  uint32_t walked = 0;
+  for (size_t slot = 0; slot < kTextureSlots; ++slot) {
+    const PreparedTexture& texture = material.Of(TextureSlot(slot));
+    if (texture.pyramid == nullptr || (walked >> texture.walk & 1) != 0) continue;
+    walked |= uint32_t{1} << texture.walk;
+    if (texture.coordinates != placed) {
+      placed = texture.coordinates;
+      for (size_t i = 0; i < points.size(); ++i) {
+        const TexturedTriangle& triangle = lately.Of(points[i].triangle).textured;
+        PutCoordinates(placed == 0 ? triangle.first : material.CoordinatesOn(placed, triangle.corners), i,
+                       batch);
+      }
+    }
+    SampleAlong(material, texture, desk);
+  }
+}
+
+void BatchShader::SampleAlong(const PreparedMaterial& material, const PreparedTexture& first,
+                              Desk& desk) const {
+  SurfaceBatch& batch = desk.batch;
+  PlanWalks(first.image, kMostProbes, batch);
+  // All places are found, and memory told, before the first is looked at.
+  for (size_t i = 0; i < batch.count; ++i) {
+    desk.walks[i].Follow(first.image, PlanOf(batch, i));
+    ForWalk(material, first,
+            [&](size_t slot) { desk.walks[i].Prefetch(*material.Of(TextureSlot(slot)).pyramid); });
+  }
+  ForWalk(material, first, [&](size_t slot) {
+    const MipPyramid& pyramid = *material.Of(TextureSlot(slot)).pyramid;
+    auto& texels = batch.texels[slot];
+    for (size_t i = 0; i < batch.count; ++i) {
+      const V4f seen = desk.walks[i].Sample(pyramid);
+      for (size_t c = 0; c < 4; ++c) texels[c][i] = seen[int(c)];
+    }
+  });
+}
+
+void BatchShader::Shade(uint32_t primitive, std::span<const Point> points, TexelShader::Lately& lately,
+                        Desk& desk, std::span<V3f> radiance) const {
+  SL_CHECK(points.size() <= SurfaceBatch::kMost && radiance.size() == points.size());
+  SurfaceBatch& batch = desk.batch;
+  batch.count = 0;
+  for (const Point& point : points) Add(lately.Of(point.triangle), point.at, batch);
+  const PreparedMaterial& material = shader_.MaterialOf(primitive);
+  if (textured_[primitive]) SampleTextures(material, points, lately, desk);
+  LightSurfaces(shader_.frame().view, shader_.lighting(), shader_.frame().primitives[primitive], material,
+                batch);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (batch.is_odd[i]) {
+      const SurfaceTriangle& on = lately.Of(points[i].triangle);
+      const Footprint footprint =
+          textured_[primitive] ? PixelFootprint(on.raster, points[i].at) : Footprint{};
+      radiance[i] = shader_.ShadeFully(on, points[i].at, footprint).radiance;
+    } else {
+      radiance[i] = {batch.radiance[0][i], batch.radiance[1][i], batch.radiance[2][i]};
+    }
+  }
+}
+
+}  // namespace shutterline::engine
