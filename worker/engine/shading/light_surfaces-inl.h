@@ -97,10 +97,9 @@ HWY_INLINE PlacedPoints PlacePoints(const FrameView& view, const FramePrimitive&
 struct AlbedoLanes {
   Doubles scale, bias;
 
-  AlbedoLanes(Doubles n_dot_v, Doubles roughness) {
+  AlbedoLanes(const DirectionalAlbedoTable& table, Doubles n_dot_v, Doubles roughness) {
     const ShadeTag d;
     const hn::RebindToSigned<ShadeTag> dl;
-    const DirectionalAlbedoTable& table = DirectionalAlbedoTable::Get();
     constexpr int kSide = DirectionalAlbedoTable::kSide;
     const Doubles zero = hn::Zero(d), one = All(1), last = All(kSide - 1), last_cell = All(kSide - 2);
     const Doubles x = hn::Mul(Clamped(n_dot_v, zero, one), last);
@@ -179,12 +178,13 @@ inline void LightSurfacesKernel(const FrameView& view, const Lighting& lighting,
                                 SurfaceBatch& batch) {
   const ShadeTag d;
   const ShadeFloats df;
+  const DirectionalAlbedoTable& albedos = DirectionalAlbedoTable::Get();
   for (size_t k = 0; k < batch.count; k += hn::Lanes(d)) {
     PlacedPoints placed = PlacePoints(view, primitive, prepared, batch, k);
     const MaterialLanes material(*primitive.material, prepared, batch, k);
     const Doubles3& n = placed.normal;
     const Doubles n_dot_v = Greater(Dot(n, placed.to_camera), All(1e-4));
-    const AlbedoLanes albedo(n_dot_v, material.roughness);
+    const AlbedoLanes albedo(albedos, n_dot_v, material.roughness);
     Doubles3 scattered = All(lighting.ambient), mirrored = scattered;
     if (lighting.sky != nullptr) {
       const auto in_world = [&](const Doubles3& v) {
