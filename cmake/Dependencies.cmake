@@ -13,12 +13,12 @@ find_package(nlohmann_json CONFIG REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(OpenSSL REQUIRED)
 find_package(hwy CONFIG REQUIRED)  # Highway: vectors with dispatch at run time.
-# Each instruction set is one more copy of the vector code to compile. A processor that ends at SSSE3 (of before 2008) takes
-# the portable one; under sanitizers, where the copies have nothing new to show, there are that and AVX2's alone.
+# Each instruction set is one more copy of the vector code to compile: AVX-512, AVX2, and one that runs anywhere, as what lies
+# between is rare today; under sanitizers, where the copies have nothing new to show, AVX2 and that.
 if(SHUTTERLINE_SANITIZE)
   add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
 else()
-  add_compile_definitions(HWY_DISABLED_TARGETS=HWY_SSSE3)
+  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4)")
 endif()
 
 # Embree 4 where it is installed, else Embree 3: `worker/engine/accel/embree.h` hides the difference.

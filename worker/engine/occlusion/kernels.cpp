@@ -1,8 +1,6 @@
 #include "worker/engine/occlusion/kernels.h"
 
-// AVX-512, AVX2, and one fallback that runs anywhere: what lies between is rare today and costs a build each.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+// For which instruction sets, cmake/Dependencies.cmake says.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "worker/engine/occlusion/kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -1,8 +1,6 @@
 #include "worker/engine/shading/texel_batch.h"
 
 // As the resolver's kernels, see slice/kernels.cpp: the same bits on every instruction set.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "worker/engine/shading/texel_batch.cpp"
 #include <hwy/foreach_target.h>

@@ -7,9 +7,8 @@
 // a time of its own. What differs: the time strata are the outer loop and bound the triangles, samples are
 // tested 16 at a time, and depth is culled by block and pass.
 
-// Instruction sets older than AVX2 have no fused multiplication and addition: they run the portable code.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+// Instruction sets older than AVX2 have no fused multiplication and addition: they run the portable code, as
+// cmake/Dependencies.cmake says.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "worker/engine/stochastic/pass_raster.cpp"
 #include <hwy/foreach_target.h>
