@@ -51,7 +51,7 @@ namespace {
 
 constexpr int kPoolThreads = 4;
 constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
-constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
+constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame's file in memory.
 constexpr absl::Duration kTick = absl::Milliseconds(50);
 
 absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras,
