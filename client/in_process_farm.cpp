@@ -6,10 +6,8 @@
 #include <cstdlib>
 #include <string>
 #include <system_error>
-#include <thread>
 
 #include "common/base/status_macros.h"
-#include "common/image/exr.h"
 #include "server/config/config.h"
 #include "worker/engine/shading/shading_cache.h"
 #include "worker/engine_frames/engine_frame_renderer.h"
@@ -39,7 +37,8 @@ absl::StatusOr<std::unique_ptr<InProcessFarm>> InProcessFarm::Start(int threads,
   config.data_dir = (farm->folder_ / "coordinator").string();
   // The folder goes with the process: there is nobody for whom to wait for the disk.
   config.durability = server::Durability::kProcess;
-  SetExrThreads(int(std::thread::hardware_concurrency()));  // As the coordinator's own program does.
+  // And nothing to wait for together: the worker sends its results in groups already.
+  config.commit_interval = absl::ZeroDuration();
   auto coordinator = server::Coordinator::Start(config, Clock::System(), &farm->shelf_);
   if (!coordinator.ok()) return Annotate(coordinator.status(), "start the coordinator in this process");
   farm->coordinator_ = *std::move(coordinator);

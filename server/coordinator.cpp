@@ -21,6 +21,7 @@
 #include "server/api/job_service.h"
 #include "server/api/stream_limits.h"
 #include "server/api/worker_service.h"
+#include "server/assemble/frame_blocks.h"
 #include "server/assemble/frame_thumbnails.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/blob_scene_source.h"
@@ -50,7 +51,7 @@ namespace {
 
 constexpr int kPoolThreads = 4;
 constexpr int kSubmitThreads = 2;  ///< Each may hold a whole scene in memory.
-constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame in memory.
+constexpr int kFrameThreads = 2;   ///< Each may hold a whole frame's file in memory.
 constexpr absl::Duration kTick = absl::Milliseconds(50);
 
 absl::Status CheckScene(const JobSpec& spec, AssetStore& assets, FrameCameras& cameras,
@@ -111,6 +112,7 @@ class Coordinator::Impl {
   std::unique_ptr<DiskAssetStore> assets_;
   std::unique_ptr<MetricsAssetStore> counted_assets_;
   std::unique_ptr<TileJournal> journal_;
+  std::unique_ptr<FrameBlocks> blocks_;
   std::unique_ptr<FrameThumbnails> thumbnails_;
   FrameCameras cameras_;
   std::unique_ptr<Metrics> metrics_;
@@ -150,6 +152,9 @@ absl::Status Coordinator::Impl::OpenStores() {
   journal_options.durability = config_.durability;
   SL_ASSIGN_OR_RETURN(journal_,
                       TileJournal::Open(absl::StrCat(config_.data_dir, "/journal"), journal_options));
+  FrameBlocks::Options block_options;
+  block_options.max_block_bytes = config_.frame_block_bytes;
+  blocks_ = std::make_unique<FrameBlocks>(block_options);
   thumbnails_ = std::make_unique<FrameThumbnails>(*journal_);
   const std::string frames_folder = absl::StrCat(config_.data_dir, "/frames");
   SL_RETURN_IF_ERROR(MakeFolders(frames_folder, config_.durability));
@@ -163,6 +168,7 @@ absl::Status Coordinator::Impl::OpenStores() {
   parts.store = store_.get();
   parts.assets = assets_.get();
   parts.journal = journal_.get();
+  parts.blocks = blocks_.get();
   parts.frames_pool = frames_pool_.get();
   parts.frames_folder = frames_folder;
   SL_ASSIGN_OR_RETURN(parts.epoch, store_->NextEpoch());

@@ -5,14 +5,12 @@
 #include <cstdio>
 #include <map>
 #include <string>
-#include <thread>
 
 #include "common/base/atomic_file.h"
 #include "common/base/build_id.h"
 #include "common/base/lock_order.h"
 #include "common/base/log.h"
 #include "common/base/log_format.h"
-#include "common/image/exr.h"
 #include "server/coordinator.h"
 
 namespace {
@@ -121,8 +119,6 @@ int Serve(const Options& options) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  // Where the coordinator has a machine to itself, a frame's last second is its compression.
-  shutterline::SetExrThreads(int(std::thread::hardware_concurrency()));
   auto coordinator = shutterline::server::Coordinator::Start(options.config);
   if (!coordinator.ok()) {
     spdlog::error("cannot start reason={}", LogValue(coordinator.status().message()));

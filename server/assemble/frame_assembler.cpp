@@ -1,18 +1,23 @@
 #include "server/assemble/frame_assembler.h"
 
+#include <absl/functional/function_ref.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
+#include <absl/synchronization/mutex.h>
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
-#include <cstring>
+#include <exception>
 #include <new>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "common/base/build_id.h"
 #include "common/base/status_macros.h"
 #include "common/image/exr.h"
-#include "common/image/image.h"
+#include "common/image/exr_blocks.h"
 #include "common/job/describe_settings.h"
 #include "common/job/output_channels.h"
 #include "common/job/tile.h"
@@ -23,38 +28,117 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles travel and lie as little-endian floats");
 
-void Paste(absl::string_view pixels, const TileRect& rect, Image& image) {
-  const size_t row_bytes = size_t(rect.width) * size_t(image.channel_count()) * sizeof(float);
-  for (int y = 0; y < rect.height; ++y) {
-    std::memcpy(image.At(rect.x, rect.y + y), pixels.data() + size_t(y) * row_bytes, row_bytes);
+/// Beyond this many tiles, to a thread, another thread is worth its start.
+constexpr size_t kTilesForAThread = 8;
+
+/// Calls `work` with 0 ... count - 1, in no particular order, from as many threads as are of use.
+void ForEach(size_t count, absl::FunctionRef<void(size_t)> work) {
+  std::atomic<size_t> next = 0;
+  const auto loop = [&] {
+    for (size_t i = next++; i < count; i = next++) work(i);
+  };
+  const size_t useful =
+      std::min(size_t(std::max(std::thread::hardware_concurrency(), 1u)), count / kTilesForAThread);
+  std::vector<std::thread> others;
+  try {
+    while (others.size() + 1 < useful) others.emplace_back(loop);
+  } catch (const std::exception&) {
+    // No memory or no more threads: then those that there are do it.
   }
+  loop();
+  for (std::thread& other : others) other.join();
 }
+
+/// The tiles of a frame, encoded one by one.
+class BlockGathering {
+ public:
+  BlockGathering(const TileJournal& journal, const TileJournal::FrameKey& key, const JobSpec& spec)
+      : journal_(journal),
+        key_(key),
+        grid_{spec.render.width, spec.render.height},
+        pixel_bytes_(size_t(OutputChannelCount(spec.render)) * sizeof(float)),
+        encoder_(BlockEncoderOf(spec)),
+        blocks_(size_t(grid_.Count())) {}
+
+  const ExrBlockEncoder& encoder() const { return encoder_; }
+  const std::vector<std::string>& blocks() const { return blocks_; }
+  /// Tiles that the journal holds no longer soundly, in order.
+  const std::vector<uint32_t>& lost() const { return lost_; }
+
+  /// Throws std::bad_alloc where memory does not suffice.
+  absl::Status Gather(const std::set<uint32_t>& missing, FrameBlocks::Blocks ready) {
+    std::vector<uint32_t> left;
+    for (uint32_t tile = 0; tile < blocks_.size(); ++tile) {
+      const auto found = ready.find(tile);
+      if (!missing.contains(tile) && found != ready.end() &&
+          journal_.Find({key_.first, key_.second, tile}) == found->second.pixels) {
+        blocks_[tile] = std::move(found->second.bytes);
+      } else {
+        left.push_back(tile);
+      }
+    }
+    ready.clear();
+    ForEach(left.size(), [&](size_t i) {
+      const uint32_t tile = left[i];
+      absl::Status status;
+      try {
+        status = Encode(tile, missing.contains(tile));
+      } catch (const std::bad_alloc&) {
+        out_of_memory_ = true;  // An exception ends the thread's program.
+      }
+      if (status.ok()) return;
+      absl::MutexLock lock(&mutex_);
+      if (absl::IsDataLoss(status) || absl::IsNotFound(status)) {
+        lost_.push_back(tile);
+      } else {
+        failure_.Update(status);
+      }
+    });
+    if (out_of_memory_) throw std::bad_alloc();
+    std::sort(lost_.begin(), lost_.end());
+    return failure_;
+  }
+
+ private:
+  /// DATA_LOSS or NOT_FOUND: the journal does not have the tile.
+  absl::Status Encode(uint32_t tile, bool is_missing) {
+    const TileRect rect = grid_.Rect(int(tile));
+    const size_t bytes = size_t(rect.Area()) * pixel_bytes_;
+    std::string pixels;
+    if (is_missing) {
+      pixels.assign(bytes, '\0');
+    } else {
+      SL_ASSIGN_OR_RETURN(pixels, journal_.Read({key_.first, key_.second, tile}));
+      if (pixels.size() != bytes) {
+        return absl::DataLossError(absl::StrCat("journal: tile ", tile, " has ", pixels.size(), " bytes"));
+      }
+    }
+    absl::StatusOr<std::string> block = encoder_.Encode(rect.width, rect.height, pixels);
+    if (absl::IsResourceExhausted(block.status())) throw std::bad_alloc();
+    SL_ASSIGN_OR_RETURN(blocks_[tile], std::move(block));
+    return absl::OkStatus();
+  }
+
+  const TileJournal& journal_;
+  const TileJournal::FrameKey key_;
+  const TileGrid grid_;
+  const size_t pixel_bytes_;
+  const ExrBlockEncoder encoder_;
+  std::vector<std::string> blocks_;
+  std::atomic<bool> out_of_memory_ = false;
+  absl::Mutex mutex_;  ///< Of those that Gather's threads share, until it returns.
+  std::vector<uint32_t> lost_;
+  absl::Status failure_;
+};
 
 absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJournal::FrameKey& key,
                                         const JobSpec& spec, const std::set<uint32_t>& missing,
-                                        const FrameFacts& facts, const std::string& path,
-                                        Durability durability) {
-  const TileGrid grid{spec.render.width, spec.render.height};
-  std::vector<std::string> names, exact;
-  for (OutputChannel& channel : OutputChannelsOf(spec.render)) {
-    if (channel.exact) exact.push_back(channel.name);
-    names.push_back(std::move(channel.name));
-  }
-  const size_t pixel_bytes = names.size() * sizeof(float);
-  Image image(grid.width, grid.height, std::move(names));
+                                        FrameBlocks::Blocks blocks, const FrameFacts& facts,
+                                        const std::string& path, Durability durability) {
+  BlockGathering gathering(journal, key, spec);
+  SL_RETURN_IF_ERROR(gathering.Gather(missing, std::move(blocks)));
   AssembledFrame result;
-  for (int tile = 0; tile < grid.Count(); ++tile) {
-    if (missing.contains(uint32_t(tile))) continue;
-    const TileRect rect = grid.Rect(tile);
-    const absl::StatusOr<std::string> pixels = journal.Read({key.first, key.second, uint32_t(tile)});
-    if (!pixels.ok() && !absl::IsDataLoss(pixels.status()) && !absl::IsNotFound(pixels.status()))
-      return pixels.status();
-    if (!pixels.ok() || pixels->size() != size_t(rect.Area()) * pixel_bytes) {
-      result.lost_tiles.push_back(uint32_t(tile));
-      continue;
-    }
-    Paste(*pixels, rect, image);
-  }
+  result.lost_tiles = gathering.lost();
   if (!result.lost_tiles.empty()) return result;
 
   ExrMetadata metadata;
@@ -78,10 +162,14 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
                        metadata.strings);
     }
   }
-  SL_ASSIGN_OR_RETURN(const std::string bytes, EncodeExr(image, spec.output, metadata, exact));
-  SL_RETURN_IF_ERROR(PutFile(path, bytes, durability));
-  result.digest = Sha256(bytes);
-  result.size = bytes.size();
+  const absl::StatusOr<std::string> bytes =
+      gathering.encoder().Join(spec.render.width, spec.render.height, gathering.blocks(), metadata);
+  // It would not be there at the next attempt either.
+  if (absl::IsResourceExhausted(bytes.status())) throw std::bad_alloc();
+  SL_RETURN_IF_ERROR(bytes.status());
+  SL_RETURN_IF_ERROR(PutFile(path, *bytes, durability));
+  result.digest = Sha256(*bytes);
+  result.size = bytes->size();
   return result;
 }
 
@@ -89,10 +177,10 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
 
 absl::StatusOr<AssembledFrame> AssembleFrame(const TileJournal& journal, const TileJournal::FrameKey& key,
                                              const JobSpec& spec, const std::set<uint32_t>& missing,
-                                             const FrameFacts& facts, const std::string& path,
-                                             Durability durability) {
+                                             FrameBlocks::Blocks blocks, const FrameFacts& facts,
+                                             const std::string& path, Durability durability) {
   try {
-    return Assemble(journal, key, spec, missing, facts, path, durability);
+    return Assemble(journal, key, spec, missing, std::move(blocks), facts, path, durability);
   } catch (const std::bad_alloc&) {
     // A frame may be larger than this machine's memory: that job fails, the coordinator lives.
     return absl::FailedPreconditionError(absl::StrCat(

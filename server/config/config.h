@@ -50,6 +50,10 @@ struct Config {
   /// used first.
   uint64_t blob_limit_bytes = 0;
 
+  /// Memory for tiles of unfinished frames that are compressed already; 0: all are compressed when their
+  /// frame has all of them, as are those for which there is no room.
+  uint64_t frame_block_bytes = uint64_t{256} << 20;
+
   /// How long jobs are kept that have ended, by the wall clock, with their frames, logs and tiles; by default
   /// for ever.
   absl::Duration keep_jobs = absl::InfiniteDuration();

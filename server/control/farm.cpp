@@ -102,6 +102,7 @@ absl::Status Farm::EndJobLocked(const JobPtr& job, JobState state, const std::st
   }
   // A retry of a partial job needs the tiles of its partial frames.
   if (state != JobState::kPartial) parts_.journal->DropJob(job->key());
+  parts_.blocks->DropJob(job->key());
   absl::MutexLock lock(&mutex_);
   job->End(state, error, now, NextSeq());
   observer_.OnJobEnded(job->id(), state);
@@ -165,8 +166,8 @@ void Farm::WriteFrame(const JobPtr& job, int index, int failures) {
         .names = [&] { return parts_.matte_names(*job->spec(), *parts_.assets); },
         .camera = [&] { return parts_.camera(*job->spec(), *parts_.assets, number); },
     };
-    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing, facts, path,
-                         durability);
+    return AssembleFrame(*parts_.journal, {job->key(), index}, *job->spec(), missing,
+                         parts_.blocks->Take({job->key(), index}), facts, path, durability);
   };
   const absl::StatusOr<AssembledFrame> frame = write();
   if (frame.ok() && !frame->lost_tiles.empty()) {

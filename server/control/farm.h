@@ -20,6 +20,7 @@
 #include "common/base/clock.h"
 #include "common/cryptomatte/cryptomatte.h"
 #include "common/image/exr.h"
+#include "server/assemble/frame_blocks.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/asset_store.h"
 #include "server/config/config.h"
@@ -46,6 +47,7 @@ class Farm {
     JobStore* store = nullptr;
     AssetStore* assets = nullptr;
     TileJournal* journal = nullptr;
+    FrameBlocks* blocks = nullptr;    ///< What is compressed as tiles come.
     WorkPool* frames_pool = nullptr;  ///< Writes finished frames.
     std::string frames_folder;
     uint64_t epoch = 0;
@@ -140,12 +142,13 @@ class Farm {
   /// Where reports belong.
   std::vector<Destination> Locate(const std::vector<const TileReport*>& reports);
   struct Result {
-    const TileReport* report = nullptr;
+    TileReport* report = nullptr;
     Destination destination;
     WorkerId worker = 0;
     TileJournal::Outcome stored = TileJournal::Outcome::kStaged;
+    Digest digest;  ///< Of the pixels, where there are any to be stored.
   };
-  /// Counts what is durable by now (and failures).
+  /// Counts what is durable by now (and failures). Takes the pixels of what was stored.
   void Apply(const std::vector<Result>& results);
 
   /// Ends what has run out and tells watchers what has changed; to be called some twenty times a second.

@@ -30,6 +30,7 @@ absl::StatusOr<JobSnapshot> Farm::SetPaused(const std::string& job_id, bool paus
     const std::vector<EndedLease> revoked = scheduler_.EndLeases(job->key());
     observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(revoked.size()));
     Revoke(revoked);
+    parts_.blocks->DropJob(job->key());  // Memory is for those that go on.
   }
   Notify(*job);
   Pump();

@@ -1,6 +1,8 @@
 // The part of Farm that takes results.
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 #include "common/base/log.h"
 #include "common/job/output_channels.h"
 #include "server/control/farm.h"
@@ -88,6 +90,10 @@ void Farm::Apply(const std::vector<Result>& results) {
       observer_.OnTileStored({job->id(), result.report->frame, at.tile, result.worker,
                               result.report->received, parts_.clock->Monotonic(),
                               result.report->render_time});
+      if (result.stored == TileJournal::Outcome::kStaged) {
+        parts_.blocks->Add({at.job, at.frame}, *job->spec(), at.tile, result.digest,
+                           std::move(result.report->pixels));
+      }
       if (job->Settled(at.frame)) WriteFrameSoon(job, at.frame);
     }
     const std::vector<EndedLease> late = scheduler_.TakeRevoked();

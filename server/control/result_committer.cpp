@@ -75,11 +75,13 @@ void ResultCommitter::Commit(std::deque<Batch> batches) {
   const std::vector<Farm::Destination> destinations = farm_.Locate(reports);
   std::vector<Farm::Result> results;
   results.reserve(reports.size());
-  for (const Batch& batch : batches) {
-    for (const TileReport& tile : batch.tiles) {
-      Farm::Result result{&tile, destinations[results.size()], batch.worker, TileJournal::Outcome::kStaged};
+  for (Batch& batch : batches) {
+    for (TileReport& tile : batch.tiles) {
+      Farm::Result result{
+          &tile, destinations[results.size()], batch.worker, TileJournal::Outcome::kStaged, {}};
       if (!tile.failed && result.destination.refusal == ReportOutcome::kStored) {
-        result.stored = journal_.Stage(result.destination.address, Sha256(tile.pixels), tile.pixels);
+        result.digest = Sha256(tile.pixels);
+        result.stored = journal_.Stage(result.destination.address, result.digest, tile.pixels);
       }
       results.push_back(result);
     }

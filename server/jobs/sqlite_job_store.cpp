@@ -88,13 +88,14 @@ absl::StatusOr<std::unique_ptr<SqliteJobStore>> SqliteJobStore::Open(const std::
   if (code != SQLITE_OK) return SqliteError(database, absl::StrCat("open ", path));
   // The exclusive lock is taken by the first write and kept.
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA locking_mode = EXCLUSIVE"));
-  const absl::Status locked = store->Execute("PRAGMA journal_mode = WAL");
+  // How durable comes first: the switch to WAL writes.
+  absl::Status locked = store->Execute(durability == Durability::kPower ? "PRAGMA synchronous = FULL"
+                                                                        : "PRAGMA synchronous = OFF");
+  if (locked.ok()) locked = store->Execute("PRAGMA journal_mode = WAL");
   if (absl::IsFailedPrecondition(locked)) {
     return absl::FailedPreconditionError(absl::StrCat(path, ": another coordinator uses it"));
   }
   SL_RETURN_IF_ERROR(Annotate(locked, path));
-  SL_RETURN_IF_ERROR(store->Execute(durability == Durability::kPower ? "PRAGMA synchronous = FULL"
-                                                                     : "PRAGMA synchronous = OFF"));
   SL_RETURN_IF_ERROR(store->Execute("PRAGMA foreign_keys = ON"));
   SL_RETURN_IF_ERROR(Annotate(store->Migrate(), path));
   return store;

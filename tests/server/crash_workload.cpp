@@ -46,6 +46,7 @@ absl::Status CrashWorkload::Open() {
   if (frames_pool_ != nullptr) frames_pool_->Stop();
   farm_.reset();
   frames_pool_.reset();
+  blocks_.reset();
   journal_.reset();
   assets_.reset();
   store_.reset();
@@ -57,6 +58,7 @@ absl::Status CrashWorkload::Open() {
   SL_ASSIGN_OR_RETURN(journal_,
                       server::TileJournal::Open(folder_ + "/journal", {kSegmentBytes, durability_}));
   SL_RETURN_IF_ERROR(server::MakeFolders(folder_ + "/frames", durability_));
+  blocks_ = std::make_unique<server::FrameBlocks>(server::FrameBlocks::Options());
   frames_pool_ = std::make_unique<server::WorkPool>(1);
   Farm::Parts parts;
   parts.config = config_;
@@ -66,6 +68,7 @@ absl::Status CrashWorkload::Open() {
   parts.store = store_.get();
   parts.assets = assets_.get();
   parts.journal = journal_.get();
+  parts.blocks = blocks_.get();
   parts.frames_pool = frames_pool_.get();
   parts.frames_folder = folder_ + "/frames";
   parts.identity = {"build", 1, 1};
@@ -102,10 +105,10 @@ absl::Status CrashWorkload::PushTiles(int frame, uint32_t first, uint32_t count,
   const std::vector<Farm::Destination> destinations = farm_->Locate(pointers);
   std::vector<Farm::Result> results;
   for (uint32_t i = 0; i < count; ++i) {
-    Farm::Result result{pointers[i], destinations[i], 0, server::TileJournal::Outcome::kStaged};
+    const Digest digest = Sha256(reports[i].pixels);
+    Farm::Result result{&reports[i], destinations[i], 0, server::TileJournal::Outcome::kStaged, digest};
     if (result.destination.refusal == server::ReportOutcome::kStored) {
-      result.stored =
-          journal_->Stage(result.destination.address, Sha256(reports[i].pixels), reports[i].pixels);
+      result.stored = journal_->Stage(result.destination.address, digest, reports[i].pixels);
     }
     results.push_back(result);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/job/job_spec.h"
+#include "server/assemble/frame_blocks.h"
 #include "server/assemble/tile_journal.h"
 #include "server/assets/disk_asset_store.h"
 #include "server/control/farm.h"
@@ -72,6 +73,7 @@ class CrashWorkload {
   std::unique_ptr<server::DiskAssetStore> assets_;
   std::unique_ptr<server::TileJournal> journal_;
   std::unique_ptr<server::Farm> farm_;
+  std::unique_ptr<server::FrameBlocks> blocks_;
   std::unique_ptr<server::WorkPool> frames_pool_;
 };
 

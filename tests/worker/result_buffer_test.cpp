@@ -38,6 +38,25 @@ TEST(ResultBuffer, BatchesKeepOrderAndLimit) {
   EXPECT_EQ(buffer.size(), 5u) << "sent is not acknowledged";
 }
 
+TEST(ResultBuffer, WhatIsInAHurryWaitsForNoCompany) {
+  ResultBuffer buffer(1 << 20);
+  const size_t four = 4 * Result(0).Bytes();
+  buffer.Hurry();  // Nothing is here: what comes later is in no hurry.
+  buffer.Add(Result(0));
+  std::thread late([&] { buffer.Add(Result(1)); });
+  EXPECT_THAT(Tiles(buffer.NextBatch(four, absl::InfiniteDuration()).results), ElementsAre(0u, 1u));
+  late.join();
+  buffer.Add(Result(2));
+  buffer.Hurry();
+  EXPECT_THAT(Tiles(buffer.NextBatch(four, absl::InfiniteDuration()).results), ElementsAre(2u));
+  // All that is here is in a hurry, also what does not fit into the next message.
+  buffer.Add(Result(3, 10'000));
+  buffer.Add(Result(4));
+  buffer.Hurry();
+  EXPECT_THAT(Tiles(buffer.NextBatch(four, absl::InfiniteDuration()).results), ElementsAre(3u));
+  EXPECT_THAT(Tiles(buffer.NextBatch(four, absl::InfiniteDuration()).results), ElementsAre(4u));
+}
+
 TEST(ResultBuffer, WhatIsNotAcknowledgedIsSentAgainInOrderBeforeWhatIsNew) {
   ResultBuffer buffer(1 << 20);
   for (uint32_t tile = 0; tile < 6; ++tile) buffer.Add(Result(tile));

@@ -28,13 +28,18 @@ void ResultBuffer::DropForgottenLocked() {
   });
 }
 
+void ResultBuffer::Hurry() {
+  absl::MutexLock lock(&mutex_);
+  if (!unsent_.empty()) hurry_ = true;
+}
+
 ResultBuffer::Batch ResultBuffer::NextBatch(size_t max_bytes, absl::Duration linger) {
   absl::MutexLock lock(&mutex_);
   const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return interrupted_ || closed_ || !unsent_.empty();
   };
   const auto enough = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return interrupted_ || closed_ || unsent_bytes_ >= max_bytes / 2;
+    return interrupted_ || closed_ || hurry_ || unsent_bytes_ >= max_bytes / 2;
   };
   Batch batch;
   while (true) {
@@ -43,6 +48,7 @@ ResultBuffer::Batch ResultBuffer::NextBatch(size_t max_bytes, absl::Duration lin
     if (interrupted_ || closed_) return batch;
     DropForgottenLocked();
     if (!unsent_.empty()) break;
+    hurry_ = false;
   }
   size_t bytes = 0;
   while (!unsent_.empty() && (batch.results.empty() || bytes + unsent_.front()->Bytes() <= max_bytes)) {
@@ -51,6 +57,7 @@ ResultBuffer::Batch ResultBuffer::NextBatch(size_t max_bytes, absl::Duration lin
     unsent_.pop_front();
   }
   unsent_bytes_ -= bytes;
+  if (unsent_.empty()) hurry_ = false;
   batch.id = next_batch_++;
   under_way_.push_back(batch);
   return batch;

@@ -17,7 +17,7 @@ namespace shutterline::worker {
 /// Rendered tiles on their way to the coordinator: those not sent yet and those sent but not acknowledged.
 /// A tile leaves when it is acknowledged, never before, so that a broken connection loses none.
 ///
-///     Add*  (threads that render)          (NextBatch | Acknowledge | Rewind)*  (the session)
+///     (Add | Hurry)*  (threads that render)          (NextBatch | Acknowledge | Rewind)*  (the session)
 ///
 /// Memory is bounded by `max_bytes` plus one tile a thread: threads call WaitForRoom before they start a
 /// tile. Thread-safe.
@@ -34,11 +34,13 @@ class ResultBuffer {
   /// Blocks while the buffer is full. False once it is closed.
   bool WaitForRoom();
   void Add(TileResult result);
+  /// What has been added and not been sent waits for company no longer: a thread has nothing else to do.
+  void Hurry();
 
   /// The results that are to be sent next, in the order in which they were added: at least one, more while
   /// they fit into `max_bytes`. Waits for the first as long as it takes, then at most `linger` for
-  /// company (until half of `max_bytes` has come). Results of jobs that were forgotten are dropped. An
-  /// empty batch once the buffer is interrupted or closed.
+  /// company (until half of `max_bytes` has come, or Hurry is called). Results of jobs that were forgotten
+  /// are dropped. An empty batch once the buffer is interrupted or closed.
   Batch NextBatch(size_t max_bytes, absl::Duration linger);
   /// Ends NextBatch's waiting in this and later calls, until Rewind.
   void Interrupt();
@@ -73,6 +75,7 @@ class ResultBuffer {
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;         // Of all.
   size_t unsent_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // Of those not sent.
   uint64_t next_batch_ ABSL_GUARDED_BY(mutex_) = 1;
+  bool hurry_ ABSL_GUARDED_BY(mutex_) = false;  // Of what is unsent.
   bool interrupted_ ABSL_GUARDED_BY(mutex_) = false;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
