@@ -53,6 +53,38 @@ TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
   EXPECT_THAT(board.LiveLeases(), IsEmpty());
 }
 
+TEST(LeaseBoard, TheLastTileOfAFrameThatIsHeldIsKnownAsSuch) {
+  LeaseBoard board;
+  const auto job = Job();
+  const uint32_t two[] = {0, 1}, one[] = {2};
+  board.Grant(job, 1, 0, two);
+  board.Grant(job, 2, 0, one);
+  board.Grant(job, 3, 1, one);
+  board.Grant(Job(), 4, 0, one);
+  const TileTask a = Take(board), b = Take(board), c = Take(board), next = Take(board);
+  EXPECT_FALSE(board.Rendered(a));
+  EXPECT_FALSE(board.Rendered(c)) << "another thread is at a tile of it";
+  EXPECT_TRUE(board.Rendered(b)) << "what is left is of another frame, or job";
+  EXPECT_TRUE(board.Rendered(next));
+  EXPECT_FALSE(b.send_at_once);
+}
+
+TEST(LeaseBoard, WhatIsRevokedIsNotWaitedFor) {
+  LeaseBoard board;
+  const auto job = Job();
+  const uint32_t two[] = {0, 1}, three[] = {2, 3, 4};
+  board.Grant(job, 1, 0, two);
+  board.Grant(job, 2, 0, three, true);
+  const TileTask a = Take(board);
+  board.RevokeTiles(1, std::vector<uint32_t>{1});
+  const uint64_t other = 2;
+  const TileTask c = Take(board);
+  EXPECT_TRUE(c.send_at_once);
+  board.Revoke({&other, 1});
+  EXPECT_TRUE(board.Rendered(a));
+  EXPECT_TRUE(board.Rendered(c)) << "though its lease is over";
+}
+
 TEST(LeaseBoard, RevokedTilesAreNotHandedOut) {
   LeaseBoard board;
   const uint32_t three[] = {0, 1, 2}, one[] = {9};

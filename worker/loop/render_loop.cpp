@@ -43,6 +43,7 @@ void RenderLoop::Run(size_t thread) {
     if (task->job->forgotten) {
       board_.FrameReady(*task, false);
     } else {
+      if (task->send_at_once) results_.Hurry();
       if (table_ != nullptr) table_->Begin(thread, task->job->id, task->frame, task->tile);
       spdlog::debug("tile begins job={} frame={} tile={} lease={}", LogValue(task->job->id), task->frame,
                     task->tile, task->lease_id);
@@ -51,7 +52,7 @@ void RenderLoop::Run(size_t thread) {
       // In this order: a worker that drains sees the tile on the board or among the results, always.
       if (!task->job->forgotten) results_.Add(std::move(result));
     }
-    board_.Rendered(*task);
+    if (board_.Rendered(*task) || task->send_at_once) results_.Hurry();
   }
 }
 
