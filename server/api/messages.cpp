@@ -61,6 +61,7 @@ struct EventWriter {
     grant.set_frame(event.frame);
     grant.mutable_tiles()->Add(event.tiles.begin(), event.tiles.end());
     grant.set_adopts(event.adopts);
+    grant.set_send_at_once(event.send_at_once);
   }
   void operator()(const LeasesRevoked& event) const {
     v1::Revoke& revoke = *message.mutable_revoke();

@@ -32,6 +32,7 @@ absl::Status ResultsReactor::Handle(v1::ResultBatch& batch) {
   if (!worker_) {
     SL_ASSIGN_OR_RETURN(worker_, farm_.FindSession(batch.session_id(), batch.epoch()));
   }
+  if (batch.credit() > 0) farm_.AddCredit(*worker_, batch.credit());
   if (batch.tiles().empty()) return absl::OkStatus();  // It has said who sends.
   const uint64_t batch_id = batch.batch_id();
   std::vector<TileReport> reports;
@@ -97,6 +98,7 @@ void ResultsReactor::Committed(uint64_t batch_id, size_t bytes, const absl::Stat
       v1::ResultAck ack;
       ack.set_batch_id(batch_id);
       for (const ReportOutcome outcome : outcomes) ack.add_outcomes(ToMessage(outcome));
+      *ack.mutable_gather() = convert::ToProto(farm_.gather());
       outgoing_.push_back(Encode(ack));
       if (!writing_) {
         writing_ = true;

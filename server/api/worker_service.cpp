@@ -19,6 +19,8 @@ grpc::ServerUnaryReactor* WorkerService::Register(grpc::CallbackServerContext* c
     *response->mutable_lease_ttl() = convert::ToProto(config_.lease_ttl);
     *response->mutable_heartbeat_interval() = convert::ToProto(config_.heartbeat_interval);
     response->set_max_batch_bytes(kMaxBatchBytes);
+    *response->mutable_gather() = convert::ToProto(farm_.gather());
+    response->set_credit_with_results(true);
   }
   reactor->Finish(convert::ToGrpc(entry.status()));
   return reactor;

@@ -31,6 +31,7 @@ struct LeaseGranted {
   std::string job_id;
   int frame = 0;  ///< The frame's number.
   std::vector<uint32_t> tiles;
+  bool send_at_once = false;
   LeaseId adopts = 0;  ///< Not 0: what the worker calls the lease that this one continues.
 };
 struct LeasesRevoked {

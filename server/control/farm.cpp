@@ -52,6 +52,7 @@ Farm::Farm(Parts parts)
       later_(*parts_.clock),
       scheduler_(*parts_.clock, OptionsOf(parts_.config)),
       registry_(parts_.identity),
+      gather_ns_(absl::ToInt64Nanoseconds(GatherPaceOptions().least)),
       // Numbers of a later epoch are larger than any of an earlier one: an epoch would need 2^40 changes.
       last_seq_(parts_.epoch << 40) {}
 
@@ -249,6 +250,8 @@ void Farm::Tick() {
     }
     if (!awaited_.empty() && now >= await_until_) EndAdoption();
     Pump();
+    gather_pace_.Tick(now, int64_t(sessions_.size()));
+    gather_ns_ = absl::ToInt64Nanoseconds(gather_pace_.gather());
     Speculate();
     for (std::vector<Quarantined>* more : {&buried_, &unstored_}) {
       expired.quarantined.insert(expired.quarantined.end(), more->begin(), more->end());

@@ -6,6 +6,7 @@
 #include <absl/strings/string_view.h>
 #include <absl/synchronization/mutex.h>
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -30,6 +31,7 @@
 #include "server/control/observer.h"
 #include "server/control/work_pool.h"
 #include "server/jobs/job_store.h"
+#include "server/schedule/gather_pace.h"
 #include "server/schedule/tile_scheduler.h"
 #include "server/schedule/worker_registry.h"
 
@@ -127,6 +129,8 @@ class Farm {
   void Heartbeat(WorkerId worker, const std::vector<LeaseId>& leases);
   void ReturnLeases(WorkerId worker, const std::vector<LeaseId>& leases);
   void WorkerDrains(WorkerId worker);
+  /// How long workers are to gather results before they send them. Takes no lock.
+  absl::Duration gather() const { return absl::Nanoseconds(gather_ns_.load(std::memory_order_relaxed)); }
   /// ABORTED as for Attach.
   absl::StatusOr<WorkerId> FindSession(const std::string& session_id, uint64_t epoch);
   /// Asks all workers to drain and grants nothing any more.
@@ -279,6 +283,8 @@ class Farm {
   /// Processes of workers (UUID, boot id) whose end is in the log, the latest last.
   std::deque<std::pair<std::string, std::string>> logged_exits_ ABSL_GUARDED_BY(mutex_);
   std::vector<Quarantined> unstored_ ABSL_GUARDED_BY(mutex_);  ///< Quarantined, but the disk refused.
+  GatherPace gather_pace_ ABSL_GUARDED_BY(mutex_){{}};
+  std::atomic<int64_t> gather_ns_;  ///< What gather_pace_ says.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t last_seq_ ABSL_GUARDED_BY(mutex_);
 };

@@ -45,6 +45,7 @@ void Farm::Apply(const std::vector<Result>& results) {
   std::vector<Quarantined> quarantined;
   {
     absl::MutexLock lock(&mutex_);
+    gather_pace_.Count(int64_t(results.size()));
     for (const Result& result : results) {
       if (result.destination.refusal != ReportOutcome::kStored) continue;
       const TileAddress& at = result.destination.address;

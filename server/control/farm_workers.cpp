@@ -202,8 +202,8 @@ void Farm::SendLease(WorkerEntry& worker, const Lease& lease, LeaseId adopts) {
   Session& session = sessions_.at(worker.id);
   const JobPtr& job = by_key_.at(lease.job);
   if (session.announced.insert(job->id()).second) session.sink->Send(JobAnnounced{job->id(), job->spec()});
-  session.sink->Send(
-      LeaseGranted{lease.id, job->id(), job->spec()->frames.Frame(lease.frame), lease.tiles, adopts});
+  session.sink->Send(LeaseGranted{lease.id, job->id(), job->spec()->frames.Frame(lease.frame), lease.tiles,
+                                  lease.send_at_once, adopts});
   observer_.OnGranted({lease.id, worker.id, worker.hello.uuid, worker.hello.name, job->id(),
                        job->spec()->frames.Frame(lease.frame), lease.tiles, parts_.clock->Monotonic()});
   spdlog::debug("lease granted lease={} worker={} job={} frame={} tiles={}", lease.id,
@@ -220,7 +220,7 @@ void Farm::Speculate() {
     const bool reachable = session != sessions_.end() && session->second.sink != nullptr;
     if (worker != nullptr && worker->credit > 0 && !worker->draining && reachable) idle.push_back(id);
   }
-  for (const Lease& copy : scheduler_.Speculate(idle)) {
+  for (const Lease& copy : scheduler_.Speculate(idle, gather_pace_.longest())) {
     WorkerEntry& worker = *registry_.Find(copy.worker);
     SendLease(worker, copy, 0);
     if (--worker.credit == 0) wanting_.erase(worker.id);

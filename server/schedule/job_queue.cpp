@@ -185,9 +185,10 @@ std::optional<int> JobQueue::ChooseFrame(const std::deque<int>& held, WorkerId w
   return best;
 }
 
-std::vector<uint32_t> JobQueue::Take(int frame, int count, WorkerId worker, LeaseId lease, Refuses refuses) {
+JobQueue::Taken JobQueue::Take(int frame, int count, WorkerId worker, LeaseId lease, Refuses refuses) {
   Frame& f = Touch(frame);
-  std::vector<uint32_t> taken;
+  Taken result;
+  std::vector<uint32_t>& taken = result.tiles;
   std::vector<uint32_t> left;  // Of those that came back: not for this worker, or not in company.
   bool alone = false;
   const auto take = [&](uint32_t tile) {
@@ -208,6 +209,7 @@ std::vector<uint32_t> JobQueue::Take(int frame, int count, WorkerId worker, Leas
     f.returned.pop_front();
     if (f.IsQueued(tile) && !take(tile)) left.push_back(tile);
   }
+  result.came_back = !taken.empty();
   while (int(taken.size()) < count && !alone && f.cursor < order_.size()) {
     const uint32_t tile = order_[f.cursor++];
     if (f.IsQueued(tile) && !take(tile)) left.push_back(tile);
@@ -215,7 +217,7 @@ std::vector<uint32_t> JobQueue::Take(int frame, int count, WorkerId worker, Leas
   f.returned.insert(f.returned.begin(), left.begin(), left.end());
   if (!taken.empty()) f.workers.insert(worker);
   if (f.queued == 0) hungry_.erase(frame);
-  return taken;
+  return result;
 }
 
 std::vector<uint32_t> JobQueue::TakeThese(int frame, const std::vector<uint32_t>& tiles, WorkerId worker,

@@ -79,7 +79,11 @@ class JobQueue {
 
   /// Takes up to `count` queued tiles of the frame for `lease`: first those that came back, then in the job's
   /// order. A suspect tile comes alone. Never empty for a frame that ChooseFrame has named.
-  std::vector<uint32_t> Take(int frame, int count, WorkerId worker, LeaseId lease, Refuses refuses);
+  struct Taken {
+    std::vector<uint32_t> tiles;
+    bool came_back = false;  ///< Some of them have been leased before, or their pixels were lost.
+  };
+  Taken Take(int frame, int count, WorkerId worker, LeaseId lease, Refuses refuses);
   /// Takes those of `tiles` that are queued, suspect ones left out.
   std::vector<uint32_t> TakeThese(int frame, const std::vector<uint32_t>& tiles, WorkerId worker,
                                   LeaseId lease);

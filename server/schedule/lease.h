@@ -26,7 +26,8 @@ struct Lease {
   absl::Duration granted;
   /// When its latest tile came back, or was granted: since then nothing has been heard of its work.
   absl::Duration progressed;
-  double charged = 0;  ///< Seconds a tile that its job has been charged for (FairShare).
+  bool send_at_once = false;  ///< Some of its tiles were leased before: see Grant.send_at_once.
+  double charged = 0;         ///< Seconds a tile that its job has been charged for (FairShare).
 };
 
 struct EndedLease {

@@ -5,7 +5,7 @@
 
 namespace shutterline::server {
 
-std::vector<Lease> TileScheduler::Speculate(const std::vector<WorkerId>& idle) {
+std::vector<Lease> TileScheduler::Speculate(const std::vector<WorkerId>& idle, absl::Duration gather) {
   const absl::Duration now = clock_.Monotonic();
   struct Straggler {
     absl::Duration waited;
@@ -21,7 +21,7 @@ std::vector<Lease> TileScheduler::Speculate(const std::vector<WorkerId>& idle) {
       const auto [known, is_new] = patience.try_emplace(lease.job, absl::InfiniteDuration());
       if (is_new) {
         if (const std::optional<double> p95 = job->second.times.NinetyFifth()) {
-          known->second = std::max(2 * absl::Seconds(*p95), options_.speculate_after);
+          known->second = std::max(2 * absl::Seconds(*p95), options_.speculate_after) + gather;
         }
       }
       if (now - lease.progressed <= known->second) continue;
@@ -51,6 +51,7 @@ std::vector<Lease> TileScheduler::Speculate(const std::vector<WorkerId>& idle) {
         continue;
       }
       Lease copy = NewLease(id, slow.job, slow.frame);
+      copy.send_at_once = true;  // Everybody waits for it.
       const size_t count = size_t(BatchSize(*worker, slow.job, job));
       // From the end: the slow worker comes to those last.
       while (copy.tiles.size() < count && !straggler.tiles.empty()) {

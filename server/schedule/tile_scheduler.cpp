@@ -233,7 +233,9 @@ std::optional<Lease> TileScheduler::GrantFrom(WorkerId id, Worker& worker, JobKe
   const std::optional<int> frame = job.queue->ChooseFrame(worker.held[key], id, refuses);
   if (!frame) return std::nullopt;
   Lease lease = NewLease(id, key, *frame);
-  lease.tiles = job.queue->Take(*frame, BatchSize(worker, key, job), id, lease.id, refuses);
+  JobQueue::Taken taken = job.queue->Take(*frame, BatchSize(worker, key, job), id, lease.id, refuses);
+  lease.tiles = std::move(taken.tiles);
+  lease.send_at_once = taken.came_back;
   return Enter(worker, job, std::move(lease));
 }
 

@@ -107,9 +107,11 @@ class TileScheduler {
   /// or a new epoch began. None where there are no such tiles.
   std::optional<Lease> Adopt(WorkerId worker, JobKey job, int frame, const std::vector<uint32_t>& tiles);
   /// Copies, one for each of `idle` at most, of leases that have brought nothing for longer than twice the
-  /// time that 95 of 100 of their job's tiles take, and speculate_after. At most two leases hold a tile. For
-  /// when nothing is queued (speculation.cpp).
-  std::vector<Lease> Speculate(const std::vector<WorkerId>& idle);
+  /// time that 95 of 100 of their job's tiles take, and speculate_after, and by `gather` more: so long
+  /// results may wait at their worker. At most two leases hold a tile. For when nothing is queued
+  /// (speculation.cpp).
+  std::vector<Lease> Speculate(const std::vector<WorkerId>& idle,
+                               absl::Duration gather = absl::ZeroDuration());
   /// How many of them were this worker's.
   int64_t Return(WorkerId worker, const std::vector<LeaseId>& leases);
 

@@ -7,12 +7,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <thread>
 
 #include "common/base/build_id.h"
 #include "common/base/ids.h"
 #include "proto/convert/job_spec.h"
+#include "proto/convert/status.h"
 #include "tests/server/coordinator_fixture.h"
 #include "tests/server/fake_worker.h"
 
@@ -46,6 +48,26 @@ TEST_F(CoordinatorTest, TwoWorkersRenderAJobToFetchedFrames) {
   EXPECT_TRUE(rest.empty());
   WaitForEnd(job.id(), &rest, events[1].seq());
   EXPECT_EQ(rest.size(), events.size() - 2);
+}
+
+TEST_F(CoordinatorTest, CreditThatComesWithResultsIsCreditAndWorkersHearHowLongToGather) {
+  SubmitOrDie(TriangleJob(0, 9, 320, 320));
+  FakeWorker worker(channel_);
+  EXPECT_TRUE(worker.welcome().credit_with_results());
+  EXPECT_EQ(convert::FromProto(worker.welcome().gather()), absl::Milliseconds(5));
+  worker.Credit(1);
+  v1::Grant grant = worker.NextGrant();
+  for (int i = 0; i < 3; ++i) {
+    const v1::ResultAck ack = worker.Render(grant, 1);
+    ASSERT_TRUE(ack.has_gather());
+    EXPECT_EQ(convert::FromProto(ack.gather()), absl::Milliseconds(5)) << "one worker need not wait";
+    const v1::Grant next = worker.NextGrant();
+    EXPECT_NE(next.lease_id(), grant.lease_id());
+    grant = next;
+  }
+  // More than anybody can want does not run over.
+  for (int i = 0; i < 3; ++i) worker.Render(grant, std::numeric_limits<uint32_t>::max());
+  worker.NextGrant();
 }
 
 TEST_F(CoordinatorTest, FetchResumesAtAnOffset) {

@@ -154,11 +154,12 @@ void FakeWorker::FailNext(const std::string& reason) {
   Push(results);
 }
 
-v1::ResultAck FakeWorker::Push(const std::vector<v1::TileResult>& results) {
+v1::ResultAck FakeWorker::Push(const std::vector<v1::TileResult>& results, uint32_t credit) {
   v1::ResultBatch batch;
   batch.set_session_id(welcome_.session_id());
   batch.set_epoch(welcome_.epoch());
   batch.set_batch_id(next_batch_++);
+  batch.set_credit(credit);
   for (const v1::TileResult& result : results) *batch.add_tiles() = result;
   v1::ResultAck ack;
   SL_CHECK(results_->Write(batch) && results_->Read(&ack));
@@ -166,10 +167,10 @@ v1::ResultAck FakeWorker::Push(const std::vector<v1::TileResult>& results) {
   return ack;
 }
 
-v1::ResultAck FakeWorker::Render(const v1::Grant& grant) {
+v1::ResultAck FakeWorker::Render(const v1::Grant& grant, uint32_t credit) {
   std::vector<v1::TileResult> results;
   for (const uint32_t tile : grant.tiles()) results.push_back(Result(grant, tile));
-  return Push(results);
+  return Push(results, credit);
 }
 
 void FakeWorker::RenderUntilForgotten() {

@@ -39,9 +39,9 @@ class FakeWorker {
   /// The next grant; messages before it are passed over, but for jobs, which are kept in `job`.
   v1::Grant NextGrant();
   /// Sends one batch and returns its acknowledgement.
-  v1::ResultAck Push(const std::vector<v1::TileResult>& results);
+  v1::ResultAck Push(const std::vector<v1::TileResult>& results, uint32_t credit = 0);
   /// Renders and pushes a whole grant.
-  v1::ResultAck Render(const v1::Grant& grant);
+  v1::ResultAck Render(const v1::Grant& grant, uint32_t credit = 0);
   v1::TileResult Result(const v1::Grant& grant, uint32_t tile) const;
   /// Asks for a lease and fails the tiles of it.
   void FailNext(const std::string& reason);

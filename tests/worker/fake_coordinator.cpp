@@ -51,6 +51,16 @@ void FakeCoordinator::SetHeartbeatInterval(absl::Duration interval) {
   heartbeat_interval_ = interval;
 }
 
+void FakeCoordinator::SetGather(absl::Duration gather) {
+  absl::MutexLock lock(&mutex_);
+  gather_ = gather;
+}
+
+void FakeCoordinator::SetGatherOfAcks(absl::Duration gather) {
+  absl::MutexLock lock(&mutex_);
+  ack_gather_ = gather;
+}
+
 Digest FakeCoordinator::PutBlob(const std::string& bytes) {
   const Digest digest = Sha256(bytes);
   absl::MutexLock lock(&mutex_);
@@ -78,13 +88,14 @@ void FakeCoordinator::SendJob(const std::string& id, int width, int height, cons
 }
 
 void FakeCoordinator::Grant(uint64_t lease, const std::string& job, int frame,
-                            const std::vector<uint32_t>& tiles) {
+                            const std::vector<uint32_t>& tiles, bool send_at_once) {
   v1::CoordinatorMessage message;
   v1::Grant& grant = *message.mutable_grant();
   grant.set_lease_id(lease);
   grant.set_job_id(job);
   grant.set_frame(frame);
   grant.mutable_tiles()->Add(tiles.begin(), tiles.end());
+  grant.set_send_at_once(send_at_once);
   Send(message);
 }
 
@@ -120,6 +131,10 @@ grpc::Status FakeCoordinator::Register(grpc::ServerContext*, const v1::Hello* he
   *welcome->mutable_lease_ttl() = convert::ToProto(absl::Seconds(15));
   *welcome->mutable_heartbeat_interval() = convert::ToProto(heartbeat_interval_);
   welcome->set_max_batch_bytes(1 << 20);
+  if (gather_) {
+    *welcome->mutable_gather() = convert::ToProto(*gather_);
+    welcome->set_credit_with_results(true);
+  }
   return grpc::Status::OK;
 }
 
@@ -175,6 +190,9 @@ grpc::Status FakeCoordinator::PushResults(grpc::ServerContext* context,
       absl::MutexLock lock(&mutex_);
       acknowledge = acknowledge_;
       ack.set_batch_id(batch.batch_id());
+      if (ack_gather_) *ack.mutable_gather() = convert::ToProto(*ack_gather_);
+      state_.batches.push_back(batch.tiles_size());
+      state_.credit_with_results += batch.credit();
       for (const v1::TileResult& tile : batch.tiles()) {
         state_.results.push_back(tile);
         state_.result_epochs.push_back(batch.epoch());

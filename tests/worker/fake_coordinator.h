@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,17 @@ class FakeCoordinator final : private v1::Workers::Service, private v1::Blobs::S
   void SetOutcome(v1::ResultAck::Outcome outcome);
   Digest PutBlob(const std::string& bytes);
   void SetHeartbeatInterval(absl::Duration interval);
+  /// Says in Welcome how long results are gathered, and that credit may come with them.
+  void SetGather(absl::Duration gather);
+  /// Says in acknowledgements how long results are gathered.
+  void SetGatherOfAcks(absl::Duration gather);
 
   // --- What it says ------------------------------------------------------------------------------
   /// On the current Session stream; waits for one.
   void Send(const v1::CoordinatorMessage& message);
   void SendJob(const std::string& id, int width, int height, const Digest& scene);
-  void Grant(uint64_t lease, const std::string& job, int frame, const std::vector<uint32_t>& tiles);
+  void Grant(uint64_t lease, const std::string& job, int frame, const std::vector<uint32_t>& tiles,
+             bool send_at_once = false);
   /// Breaks all streams that are open now.
   void BreakStreams();
 
@@ -50,7 +56,9 @@ class FakeCoordinator final : private v1::Workers::Service, private v1::Blobs::S
     std::vector<uint64_t> result_epochs;  ///< Of the batch of each result.
     std::vector<std::vector<uint64_t>> heartbeats;
     std::vector<uint64_t> returned;
-    uint64_t credit = 0;  ///< Of the current stream.
+    std::vector<int> batches;          ///< Results in each, in order of arrival.
+    uint64_t credit = 0;               ///< Of the current stream.
+    uint64_t credit_with_results = 0;  ///< Of all streams.
     int draining = 0;
     int sessions = 0;  ///< Session streams opened.
     int sessions_open = 0;
@@ -75,6 +83,7 @@ class FakeCoordinator final : private v1::Workers::Service, private v1::Blobs::S
   bool acknowledge_ ABSL_GUARDED_BY(mutex_) = true;
   v1::ResultAck::Outcome outcome_ ABSL_GUARDED_BY(mutex_) = v1::ResultAck::OUTCOME_STORED;
   absl::Duration heartbeat_interval_ ABSL_GUARDED_BY(mutex_) = absl::Milliseconds(20);
+  std::optional<absl::Duration> gather_ ABSL_GUARDED_BY(mutex_), ack_gather_ ABSL_GUARDED_BY(mutex_);
   uint64_t epoch_ ABSL_GUARDED_BY(mutex_) = 100;
   std::map<std::string, std::string> blobs_ ABSL_GUARDED_BY(mutex_);  // By raw digest.
   std::vector<grpc::ServerContext*> streams_ ABSL_GUARDED_BY(mutex_);

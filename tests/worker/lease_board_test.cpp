@@ -53,20 +53,36 @@ TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
   EXPECT_THAT(board.LiveLeases(), IsEmpty());
 }
 
-TEST(LeaseBoard, SaysWhetherThereIsATileToTake) {
+TEST(LeaseBoard, TheLastTileOfAFrameThatIsHeldIsKnownAsSuch) {
   LeaseBoard board;
-  EXPECT_FALSE(board.CanTake());
-  const uint32_t two[] = {0, 1};
-  board.Grant(Job(), 1, 0, two);
-  EXPECT_TRUE(board.CanTake());
-  const TileTask first = *board.Take();
-  EXPECT_FALSE(board.CanTake()) << "its frame is not ready";
-  board.FrameReady(first, true);
-  EXPECT_TRUE(board.CanTake());
-  Take(board);
-  EXPECT_FALSE(board.CanTake());
-  board.Close();
-  EXPECT_TRUE(board.CanTake()) << "nothing, but at once";
+  const auto job = Job();
+  const uint32_t two[] = {0, 1}, one[] = {2};
+  board.Grant(job, 1, 0, two);
+  board.Grant(job, 2, 0, one);
+  board.Grant(job, 3, 1, one);
+  board.Grant(Job(), 4, 0, one);
+  const TileTask a = Take(board), b = Take(board), c = Take(board), next = Take(board);
+  EXPECT_FALSE(board.Rendered(a));
+  EXPECT_FALSE(board.Rendered(c)) << "another thread is at a tile of it";
+  EXPECT_TRUE(board.Rendered(b)) << "what is left is of another frame, or job";
+  EXPECT_TRUE(board.Rendered(next));
+  EXPECT_FALSE(b.send_at_once);
+}
+
+TEST(LeaseBoard, WhatIsRevokedIsNotWaitedFor) {
+  LeaseBoard board;
+  const auto job = Job();
+  const uint32_t two[] = {0, 1}, three[] = {2, 3, 4};
+  board.Grant(job, 1, 0, two);
+  board.Grant(job, 2, 0, three, true);
+  const TileTask a = Take(board);
+  board.RevokeTiles(1, std::vector<uint32_t>{1});
+  const uint64_t other = 2;
+  const TileTask c = Take(board);
+  EXPECT_TRUE(c.send_at_once);
+  board.Revoke({&other, 1});
+  EXPECT_TRUE(board.Rendered(a));
+  EXPECT_TRUE(board.Rendered(c)) << "though its lease is over";
 }
 
 TEST(LeaseBoard, RevokedTilesAreNotHandedOut) {

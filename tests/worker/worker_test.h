@@ -39,7 +39,8 @@ class WorkerTest : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  void StartWorker(int threads = 2, size_t max_result_bytes = 64 << 20) {
+  void StartWorker(int threads = 2, size_t max_result_bytes = 64 << 20,
+                   const Clock& clock = Clock::System()) {
     WorkerOptions options;
     options.name = "test worker";
     options.threads = threads;
@@ -48,7 +49,7 @@ class WorkerTest : public testing::Test {
     options.backoff_initial = absl::Milliseconds(1);
     options.backoff_max = absl::Milliseconds(10);
     options.drain_patience = patience_;
-    auto worker = Worker::Start(coordinator_.Channel(), options, engine_);
+    auto worker = Worker::Start(coordinator_.Channel(), options, engine_, clock);
     ASSERT_TRUE(worker.ok()) << worker.status();
     worker_ = *std::move(worker);
   }

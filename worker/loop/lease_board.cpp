@@ -15,7 +15,7 @@ constexpr size_t kReadyFrames = 4;
 }  // namespace
 
 bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
-                       std::span<const uint32_t> tiles) {
+                       std::span<const uint32_t> tiles, bool send_at_once) {
   bool progress = false;
   {
     absl::MutexLock lock(&mutex_);
@@ -32,7 +32,7 @@ bool LeaseBoard::Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, 
       lease.unrendered = tiles.size();
       for (const uint32_t tile : tiles) {
         lease.tiles.push_back({tile, false});
-        waiting_.push_back({job, ticket, lease_id, session_, frame, tile});
+        waiting_.push_back({job, ticket, lease_id, session_, frame, tile, send_at_once});
       }
       ++unrendered_leases_;
     }
@@ -54,11 +54,6 @@ std::optional<TileTask> LeaseBoard::Take() {
   if (std::find(ready_.begin(), ready_.end(), frame) == ready_.end()) preparing_.push_back(std::move(frame));
   ++taken_;
   return task;
-}
-
-bool LeaseBoard::CanTake() const {
-  absl::MutexLock lock(&mutex_);
-  return CanTakeLocked();
 }
 
 bool LeaseBoard::CanStartLocked(const TileTask& task) const {
@@ -88,8 +83,8 @@ void LeaseBoard::FrameReady(const TileTask& task, bool ok) {
   if (ready_.size() > kReadyFrames) ready_.pop_back();
 }
 
-void LeaseBoard::Rendered(const TileTask& task) {
-  bool progress = false;
+bool LeaseBoard::Rendered(const TileTask& task) {
+  bool progress = false, frame_left = false;
   {
     absl::MutexLock lock(&mutex_);
     SL_CHECK(taken_ > 0);
@@ -109,8 +104,13 @@ void LeaseBoard::Rendered(const TileTask& task) {
       }
     }
     progress |= taken_ == 0 && waiting_.empty();
+    frame_left = std::none_of(leases_.begin(), leases_.end(), [&](const auto& entry) {
+      const Lease& other = entry.second;
+      return other.unrendered > 0 && other.frame == task.frame && other.job == task.job;
+    });
   }
   if (progress && on_progress_) on_progress_();
+  return frame_left;
 }
 
 void LeaseBoard::Acknowledged(const TileTask& task) {

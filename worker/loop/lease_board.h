@@ -40,18 +40,17 @@ class LeaseBoard {
 
   /// False, and nothing happens, where the lease is held already.
   bool Grant(std::shared_ptr<const WorkerJob> job, uint64_t lease_id, int frame,
-             std::span<const uint32_t> tiles);
+             std::span<const uint32_t> tiles, bool send_at_once = false);
 
   /// The next tile; blocks until there is one whose frame no other thread is making ready. Nothing once the
   /// board is closed.
   std::optional<TileTask> Take();
-  /// Whether Take would return at once.
-  bool CanTake() const;
   /// The frame of a taken tile is ready, or (`ok` false) cannot be made so. To be called once a tile.
   void FrameReady(const TileTask& task, bool ok);
 
-  /// A taken tile has been rendered (or has failed, or is not wanted any more).
-  void Rendered(const TileTask& task);
+  /// A taken tile has been rendered (or has failed, or is not wanted any more). True where nothing of its
+  /// frame is left to render here: whoever waits for the frame may wait for what has been rendered of it.
+  bool Rendered(const TileTask& task);
   /// The coordinator has the tile.
   void Acknowledged(const TileTask& task);
 

@@ -38,13 +38,12 @@ RenderLoop::~RenderLoop() {
 void RenderLoop::Run(size_t thread) {
   // Room first: a thread that holds a tile must be able to finish it.
   while (results_.WaitForRoom()) {
-    // The coordinator, or a frame that is complete, may be waiting for what this thread has rendered.
-    if (!board_.CanTake()) results_.Hurry();
     const std::optional<TileTask> task = board_.Take();
     if (!task) return;
     if (task->job->forgotten) {
       board_.FrameReady(*task, false);
     } else {
+      if (task->send_at_once) results_.Hurry();
       if (table_ != nullptr) table_->Begin(thread, task->job->id, task->frame, task->tile);
       spdlog::debug("tile begins job={} frame={} tile={} lease={}", LogValue(task->job->id), task->frame,
                     task->tile, task->lease_id);
@@ -53,7 +52,7 @@ void RenderLoop::Run(size_t thread) {
       // In this order: a worker that drains sees the tile on the board or among the results, always.
       if (!task->job->forgotten) results_.Add(std::move(result));
     }
-    board_.Rendered(*task);
+    if (board_.Rendered(*task) || task->send_at_once) results_.Hurry();
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace shutterline::worker {
@@ -15,7 +16,7 @@ bool ResultBuffer::WaitForRoom() {
 void ResultBuffer::Add(TileResult result) {
   absl::MutexLock lock(&mutex_);
   bytes_ += result.Bytes();
-  unsent_bytes_ += result.Bytes();
+  gather_.Add(result.Bytes(), clock_.Monotonic());
   unsent_.push_back(std::make_shared<const TileResult>(std::move(result)));
 }
 
@@ -23,44 +24,49 @@ void ResultBuffer::DropForgottenLocked() {
   std::erase_if(unsent_, [this](const Result& result) {
     if (!result->task.job->forgotten) return false;
     bytes_ -= result->Bytes();
-    unsent_bytes_ -= result->Bytes();
+    gather_.Remove(result->Bytes());
     return true;
   });
 }
 
-void ResultBuffer::Hurry() {
+ResultBuffer::Batch ResultBuffer::NextBatch(size_t max_bytes) {
   absl::MutexLock lock(&mutex_);
-  if (!unsent_.empty()) hurry_ = true;
-}
-
-ResultBuffer::Batch ResultBuffer::NextBatch(size_t max_bytes, absl::Duration linger) {
-  absl::MutexLock lock(&mutex_);
-  const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return interrupted_ || closed_ || !unsent_.empty();
-  };
-  const auto enough = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return interrupted_ || closed_ || hurry_ || unsent_bytes_ >= max_bytes / 2;
-  };
+  // A buffer that is about to be full does not wait for what finds no room in it.
+  const size_t enough_bytes = std::min(max_bytes, max_bytes_) / 2;
   Batch batch;
   while (true) {
-    mutex_.Await(absl::Condition(&woken));
-    if (!interrupted_ && !closed_) mutex_.AwaitWithTimeout(absl::Condition(&enough), linger);
+    const absl::Duration due = gather_.Due(enough_bytes);
+    const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return interrupted_ || closed_ || gather_.Due(enough_bytes) != due;
+    };
     if (interrupted_ || closed_) return batch;
+    if (const absl::Duration now = clock_.Monotonic(); now < due) {
+      mutex_.AwaitWithTimeout(absl::Condition(&woken), due - now);
+      continue;
+    }
     DropForgottenLocked();
     if (!unsent_.empty()) break;
-    hurry_ = false;
   }
   size_t bytes = 0;
   while (!unsent_.empty() && (batch.results.empty() || bytes + unsent_.front()->Bytes() <= max_bytes)) {
     bytes += unsent_.front()->Bytes();
+    gather_.Remove(unsent_.front()->Bytes());
     batch.results.push_back(std::move(unsent_.front()));
     unsent_.pop_front();
   }
-  unsent_bytes_ -= bytes;
-  if (unsent_.empty()) hurry_ = false;
   batch.id = next_batch_++;
   under_way_.push_back(batch);
   return batch;
+}
+
+void ResultBuffer::SetPace(absl::Duration pace) {
+  absl::MutexLock lock(&mutex_);
+  gather_.SetPace(pace);
+}
+
+bool ResultBuffer::Hurry() {
+  absl::MutexLock lock(&mutex_);
+  return gather_.Hurry();
 }
 
 void ResultBuffer::Interrupt() {
@@ -88,11 +94,12 @@ void ResultBuffer::Rewind() {
   while (!under_way_.empty()) {
     std::vector<Result>& results = under_way_.back().results;
     for (auto it = results.rbegin(); it != results.rend(); ++it) {
-      unsent_bytes_ += (*it)->Bytes();
+      gather_.Add((*it)->Bytes(), clock_.Monotonic());
       unsent_.push_front(std::move(*it));
     }
     under_way_.pop_back();
   }
+  gather_.Hurry();
   next_batch_ = 1;
   interrupted_ = false;
 }

@@ -10,6 +10,8 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/clock.h"
+#include "worker/loop/gather.h"
 #include "worker/loop/tile_task.h"
 
 namespace shutterline::worker {
@@ -17,7 +19,7 @@ namespace shutterline::worker {
 /// Rendered tiles on their way to the coordinator: those not sent yet and those sent but not acknowledged.
 /// A tile leaves when it is acknowledged, never before, so that a broken connection loses none.
 ///
-///     (Add | Hurry)*  (threads that render)          (NextBatch | Acknowledge | Rewind)*  (the session)
+///     Add*  (threads that render)          (NextBatch | Acknowledge | Rewind)*  (the session)
 ///
 /// Memory is bounded by `max_bytes` plus one tile a thread: threads call WaitForRoom before they start a
 /// tile. Thread-safe.
@@ -29,19 +31,23 @@ class ResultBuffer {
     std::vector<Result> results;
   };
 
-  explicit ResultBuffer(size_t max_bytes) : max_bytes_(max_bytes) {}
+  /// Results wait for no company until SetPace says so.
+  explicit ResultBuffer(size_t max_bytes, const Clock& clock = Clock::System())
+      : max_bytes_(max_bytes), clock_(clock) {}
 
   /// Blocks while the buffer is full. False once it is closed.
   bool WaitForRoom();
   void Add(TileResult result);
-  /// What has been added and not been sent waits for company no longer: a thread has nothing else to do.
-  void Hurry();
 
   /// The results that are to be sent next, in the order in which they were added: at least one, more while
-  /// they fit into `max_bytes`. Waits for the first as long as it takes, then at most `linger` for
-  /// company (until half of `max_bytes` has come, or Hurry is called). Results of jobs that were forgotten
-  /// are dropped. An empty batch once the buffer is interrupted or closed.
-  Batch NextBatch(size_t max_bytes, absl::Duration linger);
+  /// they fit into `max_bytes`. Waits for the first as long as it takes, then for company as Gather says
+  /// (half of `max_bytes` is enough). Results of jobs that were forgotten are dropped. An empty batch once
+  /// the buffer is interrupted or closed.
+  Batch NextBatch(size_t max_bytes);
+  /// How long results wait for company, from now on, those that wait included.
+  void SetPace(absl::Duration pace);
+  /// What waits is sent at once. False where nothing waits.
+  bool Hurry();
   /// Ends NextBatch's waiting in this and later calls, until Rewind.
   void Interrupt();
 
@@ -50,7 +56,7 @@ class ResultBuffer {
   /// changes then.
   absl::StatusOr<std::vector<Result>> Acknowledge(uint64_t id, size_t count);
 
-  /// A new connection: everything that was not acknowledged is to be sent again, before what is new.
+  /// A new connection: everything that was not acknowledged is to be sent again, at once, before what is new.
   /// Batch ids start again at 1.
   void Rewind();
 
@@ -69,13 +75,13 @@ class ResultBuffer {
   void DropForgottenLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const size_t max_bytes_;
+  const Clock& clock_;
   mutable absl::Mutex mutex_;
   std::deque<Result> unsent_ ABSL_GUARDED_BY(mutex_);
   std::deque<Batch> under_way_ ABSL_GUARDED_BY(mutex_);
-  size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;         // Of all.
-  size_t unsent_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // Of those not sent.
+  size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // Of all.
+  Gather gather_ ABSL_GUARDED_BY(mutex_);     // Of those not sent.
   uint64_t next_batch_ ABSL_GUARDED_BY(mutex_) = 1;
-  bool hurry_ ABSL_GUARDED_BY(mutex_) = false;  // Of what is unsent.
   bool interrupted_ ABSL_GUARDED_BY(mutex_) = false;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };

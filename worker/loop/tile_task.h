@@ -36,6 +36,7 @@ struct TileTask {
   uint64_t session = 0;   ///< Number of the board's session in which it was granted.
   int frame = 0;
   uint32_t tile = 0;
+  bool send_at_once = false;  ///< What is finished is sent before it begins, and its result as it comes.
 };
 
 /// One tile that has been rendered, or could not be.

@@ -14,6 +14,7 @@
 #include "proto/convert/job_spec.h"
 #include "proto/convert/render_stats.h"
 #include "proto/convert/status.h"
+#include "worker/loop/credit.h"
 
 namespace shutterline::worker {
 namespace {
@@ -35,7 +36,9 @@ Connection::Connection(v1::Workers::StubInterface& stub, const v1::Welcome& welc
       board_(board),
       results_(results),
       clock_(clock),
-      board_session_(board.session()) {}
+      board_session_(board.session()) {
+  results_.SetPace(welcome_.has_gather() ? convert::FromProto(welcome_.gather()) : options_.gather);
+}
 
 absl::Status Connection::Run() {
   session_ = stub_.Session(&session_context_);
@@ -85,6 +88,7 @@ void Connection::BeginDrain() {
   absl::MutexLock lock(&mutex_);
   draining_ = true;
   woken_ = true;
+  results_.SetPace(absl::ZeroDuration());
   changed_.SignalAll();
 }
 
@@ -96,6 +100,10 @@ void Connection::Cancel() {
 // --- Session, down ----------------------------------------------------------------------------------
 
 void Connection::Handle(const v1::CoordinatorMessage& message) {
+  {
+    absl::MutexLock lock(&mutex_);
+    heard_ = true;
+  }
   switch (message.what_case()) {
     case v1::CoordinatorMessage::kJob:
       return HandleJob(message.job());
@@ -106,7 +114,9 @@ void Connection::Handle(const v1::CoordinatorMessage& message) {
       for (const v1::RevokedTiles& lease : message.revoke().tiles()) {
         board_.RevokeTiles(lease.lease_id(), {lease.tiles().data(), size_t(lease.tiles().size())});
       }
-      return board_.Revoke({ids.data(), size_t(ids.size())});
+      board_.Revoke({ids.data(), size_t(ids.size())});
+      results_.Hurry();  // What waited for it to be rendered may wait in vain.
+      return;
     }
     case v1::CoordinatorMessage::kForgetJob:
       if (const auto job = jobs_.find(message.forget_job().job_id()); job != jobs_.end()) {
@@ -146,8 +156,9 @@ void Connection::HandleJob(const v1::JobDetails& details) {
 void Connection::HandleGrant(const v1::Grant& grant) {
   if (grant.adopts() != 0) return HandleAdoption(grant);
   const auto job = jobs_.find(grant.job_id());
-  const bool taken = job != jobs_.end() && board_.Grant(job->second, grant.lease_id(), grant.frame(),
-                                                        {grant.tiles().data(), size_t(grant.tiles().size())});
+  const bool taken = job != jobs_.end() &&
+                     board_.Grant(job->second, grant.lease_id(), grant.frame(),
+                                  {grant.tiles().data(), size_t(grant.tiles().size())}, grant.send_at_once());
   if (!taken) {
     spdlog::warn("lease returned lease={} job={} frame={} reason=\"{}\"", grant.lease_id(),
                  LogValue(grant.job_id()), grant.frame(),
@@ -206,14 +217,9 @@ bool Connection::WriteDueLocked(absl::Duration& next_beat) {
   }
   const bool beats = clock_.Monotonic() >= next_beat;
   if (beats) NoteStarvation();
-  // Keep 3 leases a slot, asked for anew when fewer than 2 are left: one renders, the others hide the
-  // way to the coordinator and back.
-  const size_t held = board_.UnrenderedLeases() + credit_;
-  const auto slots = size_t(options_.slots);
-  if (!draining_ && held < 2 * slots + extra_) {
+  if (const size_t leases = AskForLeasesLocked(false); leases > 0) {
     v1::WorkerMessage credit;
-    credit.mutable_credit()->set_leases(uint32_t(3 * slots + extra_ - held));
-    credit_ += 3 * slots + extra_ - held;
+    credit.mutable_credit()->set_leases(uint32_t(leases));
     if (!Write(credit)) return false;
   }
   if (!to_return_.empty()) {
@@ -230,6 +236,19 @@ bool Connection::WriteDueLocked(absl::Duration& next_beat) {
     if (!Write(beat)) return false;
   }
   return true;
+}
+
+size_t Connection::AskForLeasesLocked(bool along) {
+  if (draining_) return 0;
+  const size_t held = board_.UnrenderedLeases() + credit_;
+  const auto slots = size_t(options_.slots);
+  const size_t leases = LeasesToAskFor(held, slots, extra_, along);
+  if (leases == 0) return 0;
+  // Results that wait are sent now instead, and the wish with them: one message in place of two.
+  const bool may_wait = !along && welcome_.credit_with_results() && heard_ && MayGoWithResults(held, slots);
+  if (may_wait && results_.Hurry()) return 0;
+  credit_ += leases;
+  return leases;
 }
 
 /// Where a frame takes so long to be made ready that threads had nothing else to do for a whole interval, so
@@ -274,14 +293,14 @@ void Connection::SendResults() {
   introduction.set_epoch(welcome_.epoch());
   if (!push_->Write(introduction)) return;
   while (true) {
-    const ResultBuffer::Batch batch = results_.NextBatch(limit, options_.linger);
+    const ResultBuffer::Batch batch = results_.NextBatch(limit);
     if (batch.results.empty()) break;
     if (!push_->Write(MakeMessage(batch))) return;
   }
   push_->WritesDone();
 }
 
-v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const {
+v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) {
   v1::ResultBatch message;
   message.set_session_id(welcome_.session_id());
   message.set_epoch(welcome_.epoch());
@@ -302,6 +321,10 @@ v1::ResultBatch Connection::MakeMessage(const ResultBuffer::Batch& batch) const 
     }
     *tile.mutable_render_time() = convert::ToProto(result->render_time);
   }
+  if (welcome_.credit_with_results()) {
+    absl::MutexLock lock(&mutex_);
+    if (heard_) message.set_credit(uint32_t(AskForLeasesLocked(true)));
+  }
   return message;
 }
 
@@ -313,11 +336,13 @@ void Connection::ReceiveAcks() {
       ack_status_.Update(Annotate(status, "acknowledgement"));
       break;
     }
-    // Only a worker that leaves waits for the last acknowledgement.
     absl::MutexLock lock(&mutex_);
     if (draining_) {
+      // Only a worker that leaves waits for the last acknowledgement, and its results wait no more.
       woken_ = true;
       changed_.SignalAll();
+    } else if (ack.has_gather()) {
+      results_.SetPace(convert::FromProto(ack.gather()));
     }
   }
   if (!leaving_) Cancel();

@@ -30,7 +30,7 @@ class Connection {
  public:
   struct Options {
     int slots = 1;           ///< Threads that render.
-    absl::Duration linger;   ///< How long a result waits for company.
+    absl::Duration gather;   ///< How long a result waits for company, where the coordinator does not say.
     absl::Duration closing;  ///< How long the coordinator may take to close after we have left.
   };
 
@@ -64,7 +64,10 @@ class Connection {
   void Leave() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   void SendResults();
-  v1::ResultBatch MakeMessage(const ResultBuffer::Batch& batch) const;
+  v1::ResultBatch MakeMessage(const ResultBuffer::Batch& batch);
+  /// Notes that so many leases are asked for, and returns the number; 0: none are needed.
+  /// `along`: with results.
+  size_t AskForLeasesLocked(bool along) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ReceiveAcks();
   absl::Status HandleAck(const v1::ResultAck& ack);
 
@@ -86,6 +89,7 @@ class Connection {
   absl::CondVar changed_;
   bool woken_ ABSL_GUARDED_BY(mutex_) = false;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool heard_ ABSL_GUARDED_BY(mutex_) = false;  // Something has come: the coordinator knows the stream.
   bool said_draining_ ABSL_GUARDED_BY(mutex_) = false;
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
   bool receiver_ended_ ABSL_GUARDED_BY(mutex_) = false;

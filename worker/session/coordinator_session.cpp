@@ -132,7 +132,7 @@ void CoordinatorSession::Pause(absl::Duration delay) {
 absl::Status CoordinatorSession::RegisterAndServe() {
   SL_ASSIGN_OR_RETURN(const v1::Welcome welcome, Register());
   Connection connection(*stub_, welcome,
-                        {.slots = options_.slots, .linger = options_.linger, .closing = options_.closing},
+                        {.slots = options_.slots, .gather = options_.gather, .closing = options_.closing},
                         board_, results_, clock_);
   bool draining = false;
   {

@@ -38,8 +38,9 @@ struct SessionOptions {
   BackoffOptions backoff;
   uint64_t seed = 0;  ///< Of the backoff's jitter.
   absl::Duration register_deadline = absl::Seconds(10);
-  absl::Duration linger = absl::Milliseconds(5);  ///< How long a result waits for company.
-  absl::Duration closing = absl::Seconds(5);      ///< How long a last farewell may take.
+  /// How long a result waits for company, where the coordinator does not say.
+  absl::Duration gather = absl::Milliseconds(5);
+  absl::Duration closing = absl::Seconds(5);  ///< How long a last farewell may take.
   /// How long a draining worker goes on trying to deliver its results to a coordinator that is away.
   absl::Duration drain_patience = absl::Seconds(30);
 };

@@ -7,17 +7,23 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "common/base/clock.h"
 #include "shutterline/v1/workers.grpc.pb.h"
+#include "worker/loop/gather.h"
 
 namespace shutterline::bench {
 
 /// A worker of one slot, on a connection of its own, whose tiles take a fixed time and are the same bytes. It
-/// does what the real one does: holds three leases, asks for more when fewer than two are left, sends
-/// heartbeats. Has no thread: gRPC's call it, and `later`, which runs a task at a time. Thread-safe.
+/// does what the real one does, by the same rules (Gather, LeasesToAskFor): holds three leases and asks for
+/// more with its results, gathers those for as long as the coordinator says, sends heartbeats. It renders
+/// whatever has been revoked. Has no thread: gRPC's call it, and `later`, which runs a task at a time.
+/// Thread-safe.
 class SimulatedWorker {
  public:
   using Later = std::function<void(absl::Time, std::function<void()>)>;
@@ -34,6 +40,9 @@ class SimulatedWorker {
   struct Count {
     absl::Duration idle;
     int64_t tiles = 0;    ///< Acknowledged.
+    int64_t batches = 0;  ///< They came in.
+    int64_t credits = 0;  ///< Messages of credit alone.
+    int64_t grants = 0;
     bool broken = false;  ///< A stream has ended.
   };
   Count EndCount();
@@ -47,13 +56,21 @@ class SimulatedWorker {
   void OnMessage(const v1::CoordinatorMessage& message);
   void OnAck(const v1::ResultAck& ack);
   void Heartbeat();
-  void Finished(const v1::Grant& tile);
-  void BeginTile(absl::Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Finished(absl::Time end);
+  /// From `start` on: what has been lost until somebody came to simulate it does not count.
+  void BeginTile(absl::Time start) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  uint32_t LeasesToAsk(bool along) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void AskForMore() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Whether a tile of that frame is still to be rendered.
+  bool Holds(const std::string& job, int frame) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  /// Sends what is due, or looks again when it will be.
+  void SendDue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SendBatch() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string* const pixels_;
   const absl::Duration tile_time_;
   const Later later_;
+  const Clock& clock_ = Clock::System();
   std::unique_ptr<v1::Workers::Stub> stub_;
   v1::Welcome welcome_;
   std::unique_ptr<Session> session_;
@@ -61,6 +78,19 @@ class SimulatedWorker {
 
   absl::Mutex mutex_;
   std::deque<v1::Grant> leases_ ABSL_GUARDED_BY(mutex_);  ///< With the tiles that are not rendered yet.
+  std::map<uint64_t, int> live_ ABSL_GUARDED_BY(mutex_);  ///< By lease: tiles that are not acknowledged.
+  struct Result {
+    std::string job;
+    int frame = 0;
+    uint32_t tile = 0;
+    uint64_t lease = 0;
+  };
+  std::deque<Result> finished_ ABSL_GUARDED_BY(mutex_);  ///< Not sent yet.
+  std::deque<std::vector<uint64_t>> under_way_
+      ABSL_GUARDED_BY(mutex_);                      ///< Batches: the leases of their tiles.
+  worker::Gather gather_ ABSL_GUARDED_BY(mutex_);   ///< Of finished_.
+  bool will_look_ ABSL_GUARDED_BY(mutex_) = false;  ///< SendDue is called later.
+  bool heard_ ABSL_GUARDED_BY(mutex_) = false;
   uint32_t credit_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t batches_ ABSL_GUARDED_BY(mutex_) = 0;
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;

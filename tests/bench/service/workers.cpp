@@ -74,8 +74,8 @@ bool MeasureWorkers(const ServiceOptions& options, const std::string& durability
   const std::string job = SubmitTiles(
       farm, int(rate * (options.seconds + settle) * 1.5) + options.workers * 10, options.tile_width);
   const std::string pixels(size_t(options.tile_width) * kTileSize * 4 * sizeof(float), '\0');
-  Timer timer;
   std::vector<std::unique_ptr<SimulatedWorker>> workers;
+  Timer timer;  // Ends before them.
   for (int i = 0; i < options.workers; ++i) {
     workers.push_back(std::make_unique<SimulatedWorker>(
         farm.Address(), MakeUuid(), &pixels, absl::Milliseconds(options.tile_ms),
@@ -90,26 +90,31 @@ bool MeasureWorkers(const ServiceOptions& options, const std::string& durability
   const absl::Duration wall = absl::Now() - start;
   const absl::Duration spent = CpuOf(farm.server().pid()) - cpu, own_spent = CpuOf(::getpid()) - own;
   absl::Duration idle, worst;
-  int64_t tiles = 0;
+  SimulatedWorker::Count sum;
   int broken = 0;
   for (const auto& worker : workers) {
     const SimulatedWorker::Count count = worker->EndCount();
     idle += count.idle;
     worst = std::max(worst, count.idle);
-    tiles += count.tiles;
+    sum.tiles += count.tiles;
+    sum.batches += count.batches;
+    sum.credits += count.credits;
+    sum.grants += count.grants;
     broken += count.broken ? 1 : 0;
   }
   for (const auto& worker : workers) worker->Stop();
+  const double tiles = std::max(1.0, double(sum.tiles));
   std::printf(
       "workers    durability=%-7s workers=%d tile_ms=%g tile_bytes=%zu tiles_per_second=%.0f of %.0f "
       "busy=%.2f%% least_busy=%.2f%% coordinator_cpu_ms_per_tile=%.4f coordinator_cores=%.2f "
-      "simulation_cores=%.2f broken=%d\n",
+      "simulation_cores=%.2f tiles_per_batch=%.1f grants_per_tile=%.2f credits_per_tile=%.2f broken=%d\n",
       durability.c_str(), options.workers, options.tile_ms, pixels.size(),
-      double(tiles) / absl::ToDoubleSeconds(wall), rate,
+      double(sum.tiles) / absl::ToDoubleSeconds(wall), rate,
       100 - 100 * absl::FDivDuration(idle, wall * options.workers),
-      100 - 100 * absl::FDivDuration(worst, wall),
-      absl::ToDoubleMilliseconds(spent) / double(std::max<int64_t>(1, tiles)),
-      absl::FDivDuration(spent, wall), absl::FDivDuration(own_spent, wall), broken);
+      100 - 100 * absl::FDivDuration(worst, wall), absl::ToDoubleMilliseconds(spent) / tiles,
+      absl::FDivDuration(spent, wall), absl::FDivDuration(own_spent, wall),
+      tiles / double(std::max<int64_t>(1, sum.batches)), double(sum.grants) / tiles,
+      double(sum.credits) / tiles, broken);
   std::fflush(stdout);
   return broken == 0;
 }

@@ -93,6 +93,27 @@ TEST_F(TileSchedulerTest, BrokenStreamFreesItsTilesAfterTheGraceOnly) {
   EXPECT_TRUE(scheduler_.Grant(2).has_value());
 }
 
+TEST_F(TileSchedulerTest, WhatOthersHaveNotBroughtBackIsToBeSentAtOnce) {
+  scheduler_.AddJob(1, 1, 8, 1);
+  scheduler_.AddWorker(1, "a", 1);
+  scheduler_.AddWorker(2, "b", 1);
+  const Lease first = *scheduler_.Grant(1);
+  EXPECT_FALSE(first.send_at_once);
+  scheduler_.Return(1, {first.id});
+  const Lease again = *scheduler_.Grant(2);
+  EXPECT_EQ(again.tiles, first.tiles);
+  EXPECT_TRUE(again.send_at_once);
+  EXPECT_FALSE(scheduler_.Grant(2)->send_at_once);
+  // Who died of a tile may have finished others of its lease, and not sent them: then the blame falls on the
+  // first of those. It is the one that is found out next.
+  scheduler_.LoseWorker(2);
+  clock_.Advance(absl::Seconds(1));
+  scheduler_.Expire();
+  const Lease suspect = *scheduler_.Grant(1);
+  EXPECT_EQ(suspect.tiles, first.tiles);
+  EXPECT_TRUE(suspect.send_at_once);
+}
+
 TEST_F(TileSchedulerTest, WorkerThatIsBackInTimeKeepsItsLeases) {
   scheduler_.AddJob(1, 1, 1, 1);
   scheduler_.AddWorker(1, "a", 1);
