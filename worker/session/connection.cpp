@@ -156,24 +156,24 @@ void Connection::HandleJob(const v1::JobDetails& details) {
 void Connection::HandleGrant(const v1::Grant& grant) {
   if (grant.adopts() != 0) return HandleAdoption(grant);
   const auto job = jobs_.find(grant.job_id());
-  bool taken = false;
   {
-    // At once, in the eyes of who counts what is held: else a tile that is rendered in between takes no wish
-    // along.
+    // Before the board has the lease: a tile that is rendered in between would take no wish for another
+    // along. A wish for one too many, the other way round, is made up for by the next.
     absl::MutexLock lock(&mutex_);
-    taken = job != jobs_.end() &&
-            board_.Grant(job->second, grant.lease_id(), grant.frame(),
-                         {grant.tiles().data(), size_t(grant.tiles().size())}, grant.send_at_once());
     if (credit_ > 0) --credit_;
-    if (job == jobs_.end()) to_return_.push_back(grant.lease_id());
-    woken_ = true;
-    changed_.SignalAll();
   }
+  const bool taken = job != jobs_.end() &&
+                     board_.Grant(job->second, grant.lease_id(), grant.frame(),
+                                  {grant.tiles().data(), size_t(grant.tiles().size())}, grant.send_at_once());
   if (!taken) {
     spdlog::warn("lease returned lease={} job={} frame={} reason=\"{}\"", grant.lease_id(),
                  LogValue(grant.job_id()), grant.frame(),
                  job == jobs_.end() ? "the job is not known" : "the lease is held already");
   }
+  absl::MutexLock lock(&mutex_);
+  if (job == jobs_.end()) to_return_.push_back(grant.lease_id());
+  woken_ = true;
+  changed_.SignalAll();
 }
 
 void Connection::HandleAdoption(const v1::Grant& grant) {
