@@ -53,22 +53,6 @@ TEST(LeaseBoard, ALeaseOccupiesCreditUntilRenderedAndLivesUntilAcknowledged) {
   EXPECT_THAT(board.LiveLeases(), IsEmpty());
 }
 
-TEST(LeaseBoard, SaysWhetherThereIsATileToTake) {
-  LeaseBoard board;
-  EXPECT_FALSE(board.CanTake());
-  const uint32_t two[] = {0, 1};
-  board.Grant(Job(), 1, 0, two);
-  EXPECT_TRUE(board.CanTake());
-  const TileTask first = *board.Take();
-  EXPECT_FALSE(board.CanTake()) << "its frame is not ready";
-  board.FrameReady(first, true);
-  EXPECT_TRUE(board.CanTake());
-  Take(board);
-  EXPECT_FALSE(board.CanTake());
-  board.Close();
-  EXPECT_TRUE(board.CanTake()) << "nothing, but at once";
-}
-
 TEST(LeaseBoard, TheLastTileOfAFrameThatIsHeldIsKnownAsSuch) {
   LeaseBoard board;
   const auto job = Job();

@@ -56,11 +56,6 @@ std::optional<TileTask> LeaseBoard::Take() {
   return task;
 }
 
-bool LeaseBoard::CanTake() const {
-  absl::MutexLock lock(&mutex_);
-  return CanTakeLocked();
-}
-
 bool LeaseBoard::CanStartLocked(const TileTask& task) const {
   return std::none_of(preparing_.begin(), preparing_.end(), [&](const FrameName& frame) {
     const WorkerJob& job = *frame.first;

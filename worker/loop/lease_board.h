@@ -45,8 +45,6 @@ class LeaseBoard {
   /// The next tile; blocks until there is one whose frame no other thread is making ready. Nothing once the
   /// board is closed.
   std::optional<TileTask> Take();
-  /// Whether Take would return at once.
-  bool CanTake() const;
   /// The frame of a taken tile is ready, or (`ok` false) cannot be made so. To be called once a tile.
   void FrameReady(const TileTask& task, bool ok);
 

@@ -38,8 +38,6 @@ RenderLoop::~RenderLoop() {
 void RenderLoop::Run(size_t thread) {
   // Room first: a thread that holds a tile must be able to finish it.
   while (results_.WaitForRoom()) {
-    // The coordinator, or a frame that is complete, may be waiting for what this thread has rendered.
-    if (!board_.CanTake()) results_.Hurry();
     const std::optional<TileTask> task = board_.Take();
     if (!task) return;
     if (task->job->forgotten) {
