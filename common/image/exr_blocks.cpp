@@ -50,10 +50,13 @@ auto Guarded(Work work) -> decltype(work()) {
 
 ExrBlockEncoder::ExrBlockEncoder(std::vector<std::string> channels, const OutputSettings& output,
                                  std::vector<std::string> exact)
-    : channels_(std::move(channels)), exact_(std::move(exact)), output_(output) {}
+    : channels_(std::move(channels)),
+      exact_(std::move(exact)),
+      output_(output),
+      names_(Annotate(CheckChannelNames(channels_), "encode EXR")) {}
 
 absl::StatusOr<std::string> ExrBlockEncoder::Encode(int width, int height, absl::string_view pixels) const {
-  SL_RETURN_IF_ERROR(Annotate(CheckChannelNames(channels_), "encode EXR"));
+  if (!names_.ok()) return names_;
   const bool fits = width >= 1 && height >= 1 && width <= kTileSize && height <= kTileSize &&
                     pixels.size() == size_t(width) * size_t(height) * channels_.size() * sizeof(float);
   if (!fits) {
@@ -91,10 +94,10 @@ absl::StatusOr<std::string> ExrBlockEncoder::Encode(int width, int height, absl:
   });
 }
 
-absl::StatusOr<std::string> ExrBlockEncoder::Join(int width, int height, std::span<const std::string> blocks,
+absl::StatusOr<std::string> ExrBlockEncoder::Join(int width, int height, std::vector<std::string> blocks,
                                                   const ExrMetadata& metadata) const {
   SL_RETURN_IF_ERROR(Annotate(CheckImageSize(width, height), "encode EXR"));
-  SL_RETURN_IF_ERROR(Annotate(CheckChannelNames(channels_), "encode EXR"));
+  if (!names_.ok()) return names_;
   const TileGrid grid{width, height};
   if (blocks.size() != size_t(grid.Count())) {
     return absl::InvalidArgumentError(
@@ -123,6 +126,7 @@ absl::StatusOr<std::string> ExrBlockEncoder::Join(int width, int height, std::sp
       PutNumber(int32_t{0}, bytes);
       PutNumber(int32_t(blocks[tile].size()), bytes);
       bytes += blocks[tile];
+      std::string().swap(blocks[tile]);
     }
     return bytes;
   });

@@ -3,7 +3,6 @@
 #include <absl/status/statusor.h>
 #include <absl/strings/string_view.h>
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -29,13 +28,14 @@ class ExrBlockEncoder {
   absl::StatusOr<std::string> Encode(int width, int height, absl::string_view pixels) const;
 
   /// The file of a picture, from the blocks of all of its tiles, in TileGrid's order. Errors as of EncodeExr.
-  /// Takes memory of the file's size beside the blocks.
-  absl::StatusOr<std::string> Join(int width, int height, std::span<const std::string> blocks,
+  /// Takes memory of the file's size beside the blocks, which are freed as they are put in.
+  absl::StatusOr<std::string> Join(int width, int height, std::vector<std::string> blocks,
                                    const ExrMetadata& metadata) const;
 
  private:
   const std::vector<std::string> channels_, exact_;
   const OutputSettings output_;
+  const absl::Status names_;  ///< Whether channels can be called so.
 };
 
 }  // namespace shutterline

@@ -31,7 +31,8 @@ static_assert(std::endian::native == std::endian::little, "tiles travel and lie 
 /// Beyond this many tiles, to a thread, another thread is worth its start.
 constexpr size_t kTilesForAThread = 8;
 
-/// Calls `work` with 0 ... count - 1, in no particular order, from as many threads as are of use.
+/// Calls `work`, which does not throw, with 0 ... count - 1, in no particular order, from as many threads as
+/// are of use.
 void ForEach(size_t count, absl::FunctionRef<void(size_t)> work) {
   std::atomic<size_t> next = 0;
   const auto loop = [&] {
@@ -49,6 +50,13 @@ void ForEach(size_t count, absl::FunctionRef<void(size_t)> work) {
   for (std::thread& other : others) other.join();
 }
 
+/// Throws where this machine could not hold so much at once. What grows little by little is never refused,
+/// but ends the process.
+void RequireMemory(size_t bytes) {
+  void* volatile memory = ::operator new(bytes);  // Volatile, or compilers leave both out.
+  ::operator delete(memory);
+}
+
 /// The tiles of a frame, encoded one by one.
 class BlockGathering {
  public:
@@ -61,12 +69,13 @@ class BlockGathering {
         blocks_(size_t(grid_.Count())) {}
 
   const ExrBlockEncoder& encoder() const { return encoder_; }
-  const std::vector<std::string>& blocks() const { return blocks_; }
+  std::vector<std::string> TakeBlocks() { return std::move(blocks_); }
   /// Tiles that the journal holds no longer soundly, in order.
   const std::vector<uint32_t>& lost() const { return lost_; }
 
   /// Throws std::bad_alloc where memory does not suffice.
   absl::Status Gather(const std::set<uint32_t>& missing, FrameBlocks::Blocks ready) {
+    RequireMemory(size_t(grid_.width) * size_t(grid_.height) * pixel_bytes_);
     std::vector<uint32_t> left;
     for (uint32_t tile = 0; tile < blocks_.size(); ++tile) {
       const auto found = ready.find(tile);
@@ -80,18 +89,17 @@ class BlockGathering {
     ready.clear();
     ForEach(left.size(), [&](size_t i) {
       const uint32_t tile = left[i];
-      absl::Status status;
       try {
-        status = Encode(tile, missing.contains(tile));
+        const absl::Status status = Encode(tile, missing.contains(tile));
+        if (status.ok()) return;
+        absl::MutexLock lock(&mutex_);
+        if (absl::IsDataLoss(status) || absl::IsNotFound(status)) {
+          lost_.push_back(tile);
+        } else {
+          failure_.Update(status);
+        }
       } catch (const std::bad_alloc&) {
         out_of_memory_ = true;  // An exception ends the thread's program.
-      }
-      if (status.ok()) return;
-      absl::MutexLock lock(&mutex_);
-      if (absl::IsDataLoss(status) || absl::IsNotFound(status)) {
-        lost_.push_back(tile);
-      } else {
-        failure_.Update(status);
       }
     });
     if (out_of_memory_) throw std::bad_alloc();
@@ -135,12 +143,7 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
                                         const JobSpec& spec, const std::set<uint32_t>& missing,
                                         FrameBlocks::Blocks blocks, const FrameFacts& facts,
                                         const std::string& path, Durability durability) {
-  BlockGathering gathering(journal, key, spec);
-  SL_RETURN_IF_ERROR(gathering.Gather(missing, std::move(blocks)));
-  AssembledFrame result;
-  result.lost_tiles = gathering.lost();
-  if (!result.lost_tiles.empty()) return result;
-
+  // Before the work, as these may fail.
   ExrMetadata metadata;
   metadata.frames_per_second = FrameRateOf(spec.render.fps);
   if (const absl::StatusOr<CameraMatrices> camera = facts.camera(); camera.ok()) {
@@ -162,8 +165,14 @@ absl::StatusOr<AssembledFrame> Assemble(const TileJournal& journal, const TileJo
                        metadata.strings);
     }
   }
+  BlockGathering gathering(journal, key, spec);
+  SL_RETURN_IF_ERROR(gathering.Gather(missing, std::move(blocks)));
+  AssembledFrame result;
+  result.lost_tiles = gathering.lost();
+  if (!result.lost_tiles.empty()) return result;
+
   const absl::StatusOr<std::string> bytes =
-      gathering.encoder().Join(spec.render.width, spec.render.height, gathering.blocks(), metadata);
+      gathering.encoder().Join(spec.render.width, spec.render.height, gathering.TakeBlocks(), metadata);
   // It would not be there at the next attempt either.
   if (absl::IsResourceExhausted(bytes.status())) throw std::bad_alloc();
   SL_RETURN_IF_ERROR(bytes.status());

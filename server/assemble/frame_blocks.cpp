@@ -1,6 +1,7 @@
 #include "server/assemble/frame_blocks.h"
 
-#include <iterator>
+#include <algorithm>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,12 @@
 #include "common/job/tile.h"
 
 namespace shutterline::server {
+namespace {
+
+/// What an entry takes beside its bytes, about: places in tables, and of a frame names and settings.
+constexpr uint64_t kBlockCost = 200, kFrameCost = 2000;
+
+}  // namespace
 
 ExrBlockEncoder BlockEncoderOf(const JobSpec& spec) {
   std::vector<std::string> names, exact;
@@ -36,54 +43,78 @@ void FrameBlocks::Add(const FrameKey& key, const JobSpec& spec, uint32_t tile, c
   // Where nothing is compressed a block saves no work and takes memory all the same.
   if (spec.output.compression == ExrCompression::kNone) return;
   absl::MutexLock lock(&mutex_);
-  if (block_bytes_ >= options_.max_block_bytes) return;
   if (pixels.size() > options_.max_waiting_bytes - waiting_bytes_) return;
-  std::shared_ptr<Frame>& frame = frames_[key];
-  if (frame == nullptr) frame = std::make_shared<Frame>(spec);
+  const uint64_t room = options_.max_block_bytes - block_bytes_;
+  const auto known = frames_.find(key);
+  if (room <= (known == frames_.end() ? kFrameCost + kBlockCost : kBlockCost)) return;
+  std::shared_ptr<Frame> frame = known == frames_.end() ? std::make_shared<Frame>(spec) : known->second;
+  if (known == frames_.end()) {
+    frames_[key] = frame;
+    block_bytes_ += kFrameCost;
+  }
   waiting_bytes_ += pixels.size();
-  waiting_.push_back({key, frame, tile, digest, std::move(pixels)});
+  waiting_.push_back({key, std::move(frame), tile, digest, std::move(pixels)});
 }
 
 FrameBlocks::Blocks FrameBlocks::Take(const FrameKey& key) {
-  absl::MutexLock lock(&mutex_);
-  const auto found = frames_.find(key);
-  if (found == frames_.end()) return {};
-  const std::shared_ptr<Frame> frame = found->second;
-  Erase(found, std::next(found));
-  return std::move(frame->blocks);
+  const Erased erased = Erase(key, {key.first, key.second + 1});
+  if (erased.frames.empty()) return {};
+  // The thread may still be at one of its tiles, and keeps nothing then: the frame is not there any more.
+  return std::move(erased.frames.front()->blocks);
 }
 
 void FrameBlocks::DropJob(uint64_t job) {
-  absl::MutexLock lock(&mutex_);
-  Erase(frames_.lower_bound({job, 0}), frames_.lower_bound({job + 1, 0}));
+  Erase({job, 0}, {job + 1, 0});
 }
 
-void FrameBlocks::Erase(std::map<FrameKey, std::shared_ptr<Frame>>::iterator first,
-                        std::map<FrameKey, std::shared_ptr<Frame>>::iterator last) {
-  if (first == last) return;
+FrameBlocks::Erased FrameBlocks::Erase(const FrameKey& from, const FrameKey& to) {
+  // Freed by the caller, without the lock: blocks may be a million.
+  Erased erased;
+  absl::MutexLock lock(&mutex_);
+  const auto first = frames_.lower_bound(from), last = frames_.lower_bound(to);
+  if (first == last) return erased;
   for (auto frame = first; frame != last; ++frame) {
-    for (const auto& [tile, block] : frame->second->blocks) block_bytes_ -= block.bytes.size();
+    block_bytes_ -= frame->second->bytes + kFrameCost;
+    erased.frames.push_back(std::move(frame->second));
   }
   frames_.erase(first, last);
-  std::erase_if(waiting_, [this](const Task& task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (frames_.contains(task.key)) return false;
-    waiting_bytes_ -= task.pixels.size();
-    return true;
+  const auto gone = std::stable_partition(waiting_.begin(), waiting_.end(), [&](const Task& task) {
+    return task.key < from || !(task.key < to);
   });
+  for (auto task = gone; task != waiting_.end(); ++task) {
+    waiting_bytes_ -= task->pixels.size();
+    erased.tasks.push_back(std::move(*task));
+  }
+  waiting_.erase(gone, waiting_.end());
+  return erased;
 }
 
 void FrameBlocks::Keep(const Task& task, std::string block) {
   const auto found = frames_.find(task.key);
   // Taken meanwhile, and perhaps begun anew.
   if (found == frames_.end() || found->second != task.frame) return;
-  Block& place = task.frame->blocks[task.tile];
-  block_bytes_ -= place.bytes.size();
-  if (block.size() > options_.max_block_bytes - block_bytes_) {
-    task.frame->blocks.erase(task.tile);
-    return;
+  Frame& frame = *task.frame;
+  const auto known = frame.blocks.find(task.tile);
+  if (known != frame.blocks.end()) {  // It has been lost meanwhile, and rendered again.
+    const uint64_t cost = known->second.bytes.size() + kBlockCost;
+    frame.bytes -= cost;
+    block_bytes_ -= cost;
+    frame.blocks.erase(known);
   }
-  block_bytes_ += block.size();
-  place = {task.digest, std::move(block)};
+  const uint64_t cost = block.size() + kBlockCost;
+  if (cost > options_.max_block_bytes - block_bytes_) return;
+  frame.blocks.emplace(task.tile, Block{task.digest, std::move(block)});
+  frame.bytes += cost;
+  block_bytes_ += cost;
+}
+
+absl::StatusOr<std::string> FrameBlocks::Encode(const Task& task) {
+  try {
+    const TileRect rect = TileGrid{task.frame->render.width, task.frame->render.height}.Rect(int(task.tile));
+    return task.frame->encoder.Encode(rect.width, rect.height, task.pixels);
+  } catch (const std::bad_alloc&) {
+    return absl::Status(absl::StatusCode::kResourceExhausted, "");
+  }
 }
 
 void FrameBlocks::Work() {
@@ -97,13 +128,15 @@ void FrameBlocks::Work() {
       waiting_.pop_front();
       working_ = true;
     }
-    const TileRect rect = TileGrid{task.frame->render.width, task.frame->render.height}.Rect(int(task.tile));
-    absl::StatusOr<std::string> block = task.frame->encoder.Encode(rect.width, rect.height, task.pixels);
+    absl::StatusOr<std::string> block = Encode(task);
     absl::MutexLock lock(&mutex_);
     working_ = false;
     waiting_bytes_ -= task.pixels.size();
-    // What cannot be encoded says so when the frame is put together.
-    if (block.ok()) Keep(task, *std::move(block));
+    if (!block.ok()) continue;  // What cannot be encoded says so when the frame is put together.
+    try {
+      Keep(task, *std::move(block));
+    } catch (const std::bad_alloc&) {  // It is only a cache.
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/asset/digest.h"
 #include "common/image/exr_blocks.h"
@@ -33,7 +34,7 @@ class FrameBlocks {
  public:
   using FrameKey = TileJournal::FrameKey;
   struct Options {
-    uint64_t max_block_bytes = uint64_t{256} << 20;   ///< Of all blocks; 0: none are made.
+    uint64_t max_block_bytes = uint64_t{256} << 20;   ///< Of all blocks and frames; 0: none are made.
     uint64_t max_waiting_bytes = uint64_t{32} << 20;  ///< Of pixels that wait for the thread.
   };
   struct Block {
@@ -59,7 +60,8 @@ class FrameBlocks {
   /// Returns when nothing waits any more. For tests.
   void WaitUntilIdle();
   struct Totals {
-    uint64_t block_bytes = 0, waiting_bytes = 0;
+    uint64_t block_bytes = 0;  ///< With what their places take, about.
+    uint64_t waiting_bytes = 0;
     size_t frames = 0;
   };
   Totals totals() const;
@@ -69,7 +71,8 @@ class FrameBlocks {
     explicit Frame(const JobSpec& spec) : encoder(BlockEncoderOf(spec)), render(spec.render) {}
     const ExrBlockEncoder encoder;
     const RenderSettings render;
-    Blocks blocks;  ///< Guarded by FrameBlocks::mutex_.
+    Blocks blocks;       ///< Guarded by FrameBlocks::mutex_.
+    uint64_t bytes = 0;  ///< Likewise: what they count for.
   };
   struct Task {
     FrameKey key;
@@ -78,12 +81,16 @@ class FrameBlocks {
     Digest digest;
     std::string pixels;
   };
+  struct Erased {
+    std::vector<std::shared_ptr<Frame>> frames;
+    std::vector<Task> tasks;
+  };
   void Work();
+  static absl::StatusOr<std::string> Encode(const Task& task);
   /// Enters a block, if the frame is still there and has room.
   void Keep(const Task& task, std::string block) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// Forgets frames of [first, last).
-  void Erase(std::map<FrameKey, std::shared_ptr<Frame>>::iterator first,
-             std::map<FrameKey, std::shared_ptr<Frame>>::iterator last) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Forgets frames of [from, to).
+  Erased Erase(const FrameKey& from, const FrameKey& to) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Options options_;
   mutable absl::Mutex mutex_;

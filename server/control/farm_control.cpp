@@ -23,19 +23,23 @@ absl::StatusOr<JobSnapshot> Farm::SetPaused(const std::string& job_id, bool paus
     if (job->ending || job->snapshot().paused == paused) return Snapshot(*job);
   }
   SL_RETURN_IF_ERROR(parts_.store->SetPaused(job->key(), paused));
-  absl::MutexLock lock(&mutex_);
-  job->SetPaused(paused, NextSeq());
-  scheduler_.SetBlocked(job->key(), TileScheduler::Block::kPaused, paused);
-  if (paused) {
-    const std::vector<EndedLease> revoked = scheduler_.EndLeases(job->key());
-    observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(revoked.size()));
-    Revoke(revoked);
-    parts_.blocks->DropJob(job->key());  // Memory is for those that go on.
+  JobSnapshot snapshot;
+  {
+    absl::MutexLock lock(&mutex_);
+    job->SetPaused(paused, NextSeq());
+    scheduler_.SetBlocked(job->key(), TileScheduler::Block::kPaused, paused);
+    if (paused) {
+      const std::vector<EndedLease> revoked = scheduler_.EndLeases(job->key());
+      observer_.OnLeasesEnded(FarmObserver::LeaseEnd::kRevoked, int64_t(revoked.size()));
+      Revoke(revoked);
+    }
+    Notify(*job);
+    Pump();
+    snapshot = Snapshot(*job);
   }
-  Notify(*job);
-  Pump();
+  if (paused) parts_.blocks->DropJob(job->key());  // Memory is for those that go on.
   spdlog::info("job {} job={}", paused ? "paused" : "resumed", job->id());
-  return Snapshot(*job);
+  return snapshot;
 }
 
 absl::StatusOr<JobSnapshot> Farm::SetPriority(const std::string& job_id, int priority) {

@@ -91,7 +91,7 @@ void Farm::Apply(const std::vector<Result>& results) {
       observer_.OnTileStored({job->id(), result.report->frame, at.tile, result.worker,
                               result.report->received, parts_.clock->Monotonic(),
                               result.report->render_time});
-      if (result.stored == TileJournal::Outcome::kStaged) {
+      if (result.stored == TileJournal::Outcome::kStaged && !job->snapshot().paused) {
         parts_.blocks->Add({at.job, at.frame}, *job->spec(), at.tile, result.digest,
                            std::move(result.report->pixels));
       }

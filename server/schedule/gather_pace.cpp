@@ -6,7 +6,8 @@ namespace shutterline::server {
 namespace {
 
 constexpr absl::Duration kCounted = absl::Seconds(1);  ///< Over which results are counted.
-constexpr double kLatest = 0.5;                        ///< Weight of the latest count.
+constexpr absl::Duration kRemembered = absl::Minutes(1);
+constexpr double kLatest = 0.5;  ///< Weight of the latest count.
 
 }  // namespace
 
@@ -16,11 +17,14 @@ void GatherPace::Tick(absl::Duration now, int64_t workers) {
   rate_ += kLatest * (double(results_) / seconds - rate_);
   began_ = now;
   results_ = 0;
-  before_ = gather_;
   const double needed = rate_ > options_.messages_per_second
                             ? double(workers) * (1 / options_.messages_per_second - 1 / rate_)
                             : 0;
   gather_ = std::clamp(absl::Seconds(needed), options_.least, options_.most);
+  if (gather_ >= longest_ || now - longest_said_ > kRemembered) {
+    longest_ = gather_;
+    longest_said_ = now;
+  }
 }
 
 }  // namespace shutterline::server

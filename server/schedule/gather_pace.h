@@ -20,7 +20,8 @@ struct GatherPaceOptions {
 /// for g = N (1/M - 1/T). T does not depend on g, so nothing swings. Not thread-safe.
 class GatherPace {
  public:
-  explicit GatherPace(const GatherPaceOptions& options) : options_(options), gather_(options.least) {}
+  explicit GatherPace(const GatherPaceOptions& options)
+      : options_(options), gather_(options.least), longest_(options.least) {}
 
   /// So many results have come.
   void Count(int64_t results) { results_ += results; }
@@ -28,12 +29,14 @@ class GatherPace {
   void Tick(absl::Duration now, int64_t workers);
 
   absl::Duration gather() const { return gather_; }
-  /// Workers may gather for so long: what was said to them lately, and they may not have heard since.
-  absl::Duration longest() const { return gather_ > before_ ? gather_ : before_; }
+  /// Workers may gather for so long: the longest that was said to them lately. Who has nothing to send does
+  /// not hear of a change.
+  absl::Duration longest() const { return longest_; }
 
  private:
   const GatherPaceOptions options_;
-  absl::Duration gather_, before_;
+  absl::Duration gather_, longest_;
+  absl::Duration longest_said_ = -absl::InfiniteDuration();
   absl::Duration began_ = -absl::InfiniteDuration();  ///< When the present count did.
   int64_t results_ = 0;
   double rate_ = 0;  ///< Results a second, a mean over some seconds.

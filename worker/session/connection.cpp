@@ -125,7 +125,9 @@ void Connection::Handle(const v1::CoordinatorMessage& message) {
       }
       return;
     case v1::CoordinatorMessage::kAdopted:
-      return board_.DropSuspended();
+      board_.DropSuspended();
+      results_.Hurry();  // What is left of a frame may have been among that.
+      return;
     case v1::CoordinatorMessage::kDrain:
       spdlog::info("coordinator is about to stop");
       return;
@@ -178,6 +180,7 @@ void Connection::HandleGrant(const v1::Grant& grant) {
 
 void Connection::HandleAdoption(const v1::Grant& grant) {
   if (board_.Adopt(grant.adopts(), grant.lease_id(), {grant.tiles().data(), size_t(grant.tiles().size())})) {
+    results_.Hurry();  // As where tiles are revoked.
     return;
   }
   // All of it has been acknowledged meanwhile.

@@ -72,7 +72,8 @@ bool RenderBareApart(const std::string& scene_file, int width, int height, const
   const pid_t child = ::fork();
   if (child < 0) return false;
   if (child == 0) {
-    SetExrThreads(int(std::thread::hardware_concurrency()));  // As the coordinator may.
+    SetExrThreads(
+        int(std::thread::hardware_concurrency()));  // Its picture is compressed at the end, all at once.
     const absl::Status status = RenderBare(scene_file, width, height, output);
     if (!status.ok()) std::fprintf(stderr, "overhead: %s\n", std::string(status.message()).c_str());
     ::_exit(status.ok() ? 0 : 1);

@@ -76,7 +76,8 @@ TEST(FrameBlocksTest, TheLastPixelsOfATileCount) {
   const FrameBlocks::Blocks taken = blocks.Take({1, 0});
   ASSERT_EQ(taken.size(), 1u);
   EXPECT_EQ(taken.at(0).pixels, Sha256(Noise(3)));
-  EXPECT_EQ(bytes, taken.at(0).bytes.size());
+  EXPECT_GT(bytes, taken.at(0).bytes.size());
+  EXPECT_LT(bytes, 2 * taken.at(0).bytes.size()) << "counted once";
   EXPECT_EQ(blocks.totals().block_bytes, 0u);
 }
 

@@ -102,6 +102,9 @@ std::shared_ptr<const SkyMap> SkyMap::Make(const Radiance& radiance, int width) 
         Filtered(sources, std::clamp(across, std::min(32, finest), std::min(128, finest)), roughness));
   }
   sky->Append(std::move(sources.front()), 0);
+  size_t more = 0;
+  for (const LatLongMap& map : rougher) more += map.texels.size();
+  sky->texels_.reserve(sky->texels_.size() + more);  // And no more than that: the sharp map may be large.
   for (size_t i = 0; i < rougher.size(); ++i) sky->Append(std::move(rougher[i]), kRoughnesses[i]);
   return sky;
 }
