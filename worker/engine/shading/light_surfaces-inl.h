@@ -70,10 +70,10 @@ HWY_INLINE PlacedPoints PlacePoints(const FrameView& view, const FramePrimitive&
   const Doubles zero = hn::Zero(ShadeTag());
   const Doubles b1 = At(batch.b1, k), b2 = At(batch.b2, k);
   const Doubles weights[3] = {hn::Sub(hn::Sub(All(1), b1), b2), b1, b2};
-  PlacedPoints placed{
-      .to_camera = All(V3d(0, 0, 1)), .normal = At3(batch.face, 0, k), .odd = hn::Lt(zero, zero)};
-  const Doubles3 face = placed.normal;
-  placed.odd = hn::And(hn::And(hn::Eq(face.x, zero), hn::Eq(face.y, zero)), hn::Eq(face.z, zero));
+  const Doubles3 face = At3(batch.face, 0, k);
+  const DoublesMask has_no_face =
+      hn::And(hn::And(hn::Eq(face.x, zero), hn::Eq(face.y, zero)), hn::Eq(face.z, zero));
+  PlacedPoints placed{.to_camera = All(V3d(0, 0, 1)), .normal = face, .odd = has_no_face};
   if (view.perspective) {
     const Doubles3 position =
         MixCorners(weights, At3(batch.corners, 0, k), At3(batch.corners, 3, k), At3(batch.corners, 6, k));
