@@ -8,8 +8,6 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <exception>
-#include <new>
 #include <utility>
 
 #include "common/base/check.h"
@@ -34,18 +32,6 @@ void PutNumber(Number number, std::string& bytes) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-/// What the library throws, as a status.
-template <typename Work>
-auto Guarded(Work work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError("encode EXR: out of memory");
-  } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat("encode EXR: ", error.what()));
-  }
-}
-
 }  // namespace
 
 ExrBlockEncoder::ExrBlockEncoder(std::vector<std::string> channels, const OutputSettings& output,
@@ -63,7 +49,7 @@ absl::StatusOr<std::string> ExrBlockEncoder::Encode(int width, int height, absl:
     return absl::InvalidArgumentError(
         absl::StrCat("encode EXR: ", pixels.size(), " bytes for a tile of ", width, " × ", height));
   }
-  return Guarded([&]() -> absl::StatusOr<std::string> {
+  return EncodeGuarded([&]() -> absl::StatusOr<std::string> {
     // A block is the same wherever its tile lies: let the library write a picture of this tile alone.
     const std::vector<StoredChannel> stored = StoredChannelsOf(channels_, output_.pixel_type, exact_);
     const size_t pixel_bytes = PixelBytesOf(stored);
@@ -103,7 +89,7 @@ absl::StatusOr<std::string> ExrBlockEncoder::Join(int width, int height, std::ve
     return absl::InvalidArgumentError(
         absl::StrCat("encode EXR: ", blocks.size(), " blocks for ", grid.Count(), " tiles"));
   }
-  return Guarded([&]() -> absl::StatusOr<std::string> {
+  return EncodeGuarded([&]() -> absl::StatusOr<std::string> {
     Imf::Header header = TiledHeader(width, height, StoredChannelsOf(channels_, output_.pixel_type, exact_),
                                      output_.compression);
     SL_RETURN_IF_ERROR(Annotate(PutMetadata(metadata, header), "encode EXR"));

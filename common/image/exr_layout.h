@@ -3,9 +3,12 @@
 #include <ImfHeader.h>
 #include <ImfPixelType.h>
 #include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
 #include <half.h>
 
 #include <cstddef>
+#include <exception>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +42,18 @@ absl::Status CheckImageSize(int width, int height);
 /// What is at the head of a tiled EXR of kTileSize × kTileSize tiles, one level, but for the metadata.
 Imf::Header TiledHeader(int width, int height, const std::vector<StoredChannel>& stored,
                         ExrCompression compression);
+/// What the library throws while it encodes, as a status.
+template <typename Work>
+auto EncodeGuarded(const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("encode EXR: out of memory");
+  } catch (const std::exception& error) {
+    return absl::InvalidArgumentError(absl::StrCat("encode EXR: ", error.what()));
+  }
+}
+
 /// Throws what the library throws for names that it reserves.
 absl::Status PutMetadata(const ExrMetadata& metadata, Imf::Header& header);
 

@@ -6,7 +6,6 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
-#include <exception>
 #include <vector>
 
 #include "common/base/atomic_file.h"
@@ -60,7 +59,7 @@ absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& 
                                       const ExrMetadata& metadata, std::span<const std::string> exact) {
   SL_RETURN_IF_ERROR(Annotate(CheckImageSize(image.width(), image.height()), "encode EXR"));
   SL_RETURN_IF_ERROR(Annotate(CheckChannelNames(image.channels()), "encode EXR"));
-  try {
+  return EncodeGuarded([&]() -> absl::StatusOr<std::string> {
     const std::vector<StoredChannel> stored = StoredChannelsOf(image.channels(), output.pixel_type, exact);
     Imf::Header header = TiledHeader(image.width(), image.height(), stored, output.compression);
     SL_RETURN_IF_ERROR(Annotate(PutMetadata(metadata, header), "encode EXR"));
@@ -72,11 +71,7 @@ absl::StatusOr<std::string> EncodeExr(const Image& image, const OutputSettings& 
     }  // The file is complete only once it is closed.
     if (stream.failed()) return absl::ResourceExhaustedError("encode EXR: out of memory");
     return stream.TakeBytes();
-  } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError("encode EXR: out of memory");
-  } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat("encode EXR: ", error.what()));
-  }
+  });
 }
 
 absl::Status WriteExr(const std::string& path, const Image& image, const OutputSettings& output,

@@ -25,7 +25,7 @@ ExrBlockEncoder BlockEncoderOf(const JobSpec& spec);
 /// Tiles of unfinished frames as their EXR will hold them, compressed by a thread of its own while others are
 /// still being rendered, so that little is left to do once a frame has all of them.
 ///
-///     Add*  (Take | DropFrame | DropJob)
+///     Add*  (Take | DropJob)
 ///
 /// A cache and no more: nothing here is durable, a tile that is not here is encoded from the journal when its
 /// frame is put together, and what is here counts only as far as the journal has the same pixels. Memory is
@@ -54,7 +54,6 @@ class FrameBlocks {
            std::string pixels);
   /// What there is of a frame, which is forgotten here.
   Blocks Take(const FrameKey& frame);
-  void DropFrame(const FrameKey& frame) { Take(frame); }
   void DropJob(uint64_t job);
 
   /// Returns when nothing waits any more. For tests.

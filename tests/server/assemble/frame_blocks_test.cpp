@@ -103,7 +103,7 @@ TEST(FrameBlocksTest, JobsAndFramesAreDroppedApart) {
   blocks.WaitUntilIdle();
   EXPECT_EQ(blocks.totals().frames, 6u);
   blocks.DropJob(2);
-  blocks.DropFrame({3, 0});
+  blocks.Take({3, 0});
   EXPECT_EQ(blocks.totals().frames, 3u);
   EXPECT_EQ(blocks.Take({1, 0}).size(), 1u);
   EXPECT_EQ(blocks.Take({1, 1}).size(), 1u);

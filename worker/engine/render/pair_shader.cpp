@@ -2,7 +2,7 @@
 
 #include <absl/container/flat_hash_map.h>
 
-#include <algorithm>
+#include <memory>
 
 namespace shutterline::engine {
 

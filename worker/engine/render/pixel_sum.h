@@ -23,7 +23,6 @@ class PixelSum {
     contributions_.push_back({weight, color});
     covered_ += weight;
   }
-  size_t count() const { return contributions_.size(); }
 
   /// Red, green, blue and alpha over the background, which is nothing: what was added, and `film`, radiance
   /// and coverage, of `total`.

@@ -1,7 +1,6 @@
 #include "worker/engine/shading/batch_shader.h"
 
 #include "common/base/check.h"
-#include "worker/engine/shading/footprint.h"
 #include "worker/engine/shading/shade_kernels.h"
 
 namespace shutterline::engine {
@@ -34,12 +33,11 @@ void ForWalk(const PreparedMaterial& material, const PreparedTexture& first, con
 
 }  // namespace
 
-BatchShader::BatchShader(const Shader& shader, const TexelShader& texels) : shader_(shader) {
+BatchShader::BatchShader(const Shader& shader, const TexelShader& texels) : shader_(shader), texels_(texels) {
   const FrameScene& frame = shader.frame();
   for (uint32_t i = 0; i < frame.primitives.size(); ++i) {
     const FramePrimitive& primitive = frame.primitives[i];
     takes_.push_back(primitive.degree == 0 && !texels.HasTexelsOn(i) && shader.IsLitBySkyAlone(primitive));
-    textured_.push_back(IsTextured(frame, primitive));
   }
 }
 
@@ -66,7 +64,7 @@ void BatchShader::Add(const SurfaceTriangle& triangle, const Barycentric& at, Su
   }
   PutCoordinates(triangle.textured.first, i, batch);
   if (!primitive.has_tangents) return;
-  const size_t first = primitive.first_tangent + 3 * size_t(triangle.number - primitive.first_triangle);
+  const size_t first = triangle.FirstTangent();
   for (size_t corner = 0; corner < 3; ++corner) {
     const V4f& tangent = frame.tangents[first + corner];
     for (size_t c = 0; c < 4; ++c) batch.tangents[4 * corner + c][i] = tangent[int(c)];
@@ -122,15 +120,12 @@ void BatchShader::Shade(uint32_t primitive, std::span<const Point> points, Texel
   batch.count = 0;
   for (const Point& point : points) Add(lately.Of(point.triangle), point.at, batch);
   const PreparedMaterial& material = shader_.MaterialOf(primitive);
-  if (textured_[primitive]) SampleTextures(material, points, lately, desk);
+  if (texels_.IsTexturedOn(primitive)) SampleTextures(material, points, lately, desk);
   LightSurfaces(shader_.frame().view, shader_.lighting(), shader_.frame().primitives[primitive], material,
                 batch);
   for (size_t i = 0; i < points.size(); ++i) {
     if (batch.is_odd[i]) {
-      const SurfaceTriangle& on = lately.Of(points[i].triangle);
-      const Footprint footprint =
-          textured_[primitive] ? PixelFootprint(on.raster, points[i].at) : Footprint{};
-      radiance[i] = shader_.ShadeFully(on, points[i].at, footprint).radiance;
+      radiance[i] = texels_.ShadeStill(lately.Of(points[i].triangle), points[i].at).radiance;
     } else {
       radiance[i] = {batch.radiance[0][i], batch.radiance[1][i], batch.radiance[2][i]};
     }

@@ -44,7 +44,8 @@ class BatchShader {
   void SampleAlong(const PreparedMaterial& material, const PreparedTexture& first, Desk& desk) const;
 
   const Shader& shader_;
-  std::vector<bool> takes_, textured_;  // By primitive.
+  const TexelShader& texels_;
+  std::vector<bool> takes_;  // By primitive.
 };
 
 }  // namespace shutterline::engine

@@ -42,8 +42,7 @@ V3d TexturedNormal(const FrameScene& frame, const SurfaceTriangle& triangle,
   const V4d texel = textures.Color(triangle.material->Of(TextureSlot::kNormal));
   const V3d bent(material.normal_scale * (2 * texel.x - 1), material.normal_scale * (2 * texel.y - 1),
                  2 * texel.z - 1);
-  const FramePrimitive& primitive = *triangle.primitive;
-  const size_t first = primitive.first_tangent + 3 * size_t(triangle.number - primitive.first_triangle);
+  const size_t first = triangle.FirstTangent();
   V3d tangent(0);
   double sign = 0;
   for (size_t k = 0; k < 3; ++k) {

@@ -30,6 +30,11 @@ struct SurfaceTriangle {
   SurfaceTriangle() = default;
   SurfaceTriangle(const FrameScene& frame, const PreparedMaterial& material, uint32_t triangle);
 
+  /// Of its corners' in the frame's tangents, where its primitive has any.
+  size_t FirstTangent() const {
+    return primitive->first_tangent + 3 * size_t(number - primitive->first_triangle);
+  }
+
   uint32_t number = 0;  ///< In the frame.
   const FramePrimitive* primitive = nullptr;
   const PreparedMaterial* material = nullptr;

@@ -54,12 +54,18 @@ Shaded TexelShader::Shade(uint32_t triangle, const Barycentric& at, double t, La
                           RenderStats& stats) const {
   if (HasTexels(triangle)) return Shade(triangle, at, t, stats);
   const SurfaceTriangle& on = lately.Of(triangle);
+  if (on.primitive->degree == 0) return ShadeStill(on, at);
   Footprint footprint;
-  if (textured_[shader_.frame().triangles[triangle].primitive]) {
-    footprint = on.primitive->degree == 0 ? PixelFootprint(on.raster, at)
-                                          : PixelFootprintAt(shader_.frame(), triangle, at, t);
-  }
+  if (IsTexturedOn(shader_.frame().triangles[triangle].primitive))
+    footprint = PixelFootprintAt(shader_.frame(), triangle, at, t);
   return shader_.ShadeFully(on, at, footprint);
+}
+
+Shaded TexelShader::ShadeStill(const SurfaceTriangle& triangle, const Barycentric& at) const {
+  const Footprint footprint = IsTexturedOn(shader_.frame().triangles[triangle.number].primitive)
+                                  ? PixelFootprint(triangle.raster, at)
+                                  : Footprint{};
+  return shader_.ShadeFully(triangle, at, footprint);
 }
 
 Shaded TexelShader::ShadePoint(const Triangle& triangle, const Barycentric& at) const {

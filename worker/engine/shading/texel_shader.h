@@ -44,6 +44,8 @@ class TexelShader {
   }
   /// Do those of a primitive?
   bool HasTexelsOn(uint32_t primitive) const { return has_texels_[primitive]; }
+  /// Have those of a primitive textures?
+  bool IsTexturedOn(uint32_t primitive) const { return textured_[primitive]; }
   /// Of a triangle that has texels.
   Triangle TriangleOf(uint32_t triangle) const;
   /// The texel around a point of it; nothing where it has none, as it is behind the camera at mid-shutter.
@@ -52,6 +54,8 @@ class TexelShader {
                     RenderStats& stats) const;
   /// Where there is a cache: has memory send what ShadeTexel will look for.
   void Prefetch(const TexelKey& key) const { cache_.Prefetch(key); }
+  /// A point of one that has no texels and stands still.
+  Shaded ShadeStill(const SurfaceTriangle& triangle, const Barycentric& at) const;
   /// A point of it that has no texel.
   Shaded ShadePoint(const Triangle& triangle, const Barycentric& at) const;
 
