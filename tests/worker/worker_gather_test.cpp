@@ -129,6 +129,8 @@ TEST_F(WorkerGatherTest, WhatWaitedWhenTheStreamBrokeIsSentByTheNextSession) {
 
 TEST_F(WorkerGatherTest, CreditComesWithResults) {
   Start(1);
+  // A lease that came before the first wish would make it smaller.
+  coordinator_.WaitFor([](const State& s) { return s.credit == 3; });
   for (uint64_t lease = 1; lease <= 4; ++lease) {
     coordinator_.Grant(lease, "job-1", int(lease), {1});
     coordinator_.WaitFor([&](const State& s) { return s.credit_with_results >= lease; });
@@ -139,6 +141,7 @@ TEST_F(WorkerGatherTest, CreditComesWithResults) {
 
 TEST_F(WorkerGatherTest, AWorkerThatNeedsLeasesSendsItsResultsWithTheWish) {
   Start();
+  coordinator_.WaitFor([](const State& s) { return s.credit == 6; });
   coordinator_.Grant(1, "job-1", 5, {0, 1});
   // Six leases were asked for. When three are rendered, three are left: fewer than two a slot.
   for (uint32_t lease = 2; lease <= 4; ++lease) coordinator_.Grant(lease, "job-1", 5, {uint32_t(lease)});
