@@ -19,22 +19,18 @@ float LinearFromSrgb(double s) {
   return float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
 
-/// What the bytes of a texel mean: of colour, then of alpha.
-struct ByteTable {
-  std::array<float, 256> color, alpha;
+/// Of bytes: linear values, and what they stand for as codes of sRGB.
+struct ByteTables {
+  std::array<float, 256> linear, srgb;
 
-  explicit ByteTable(TextureEncoding encoding) {
+  ByteTables() {
     for (int code = 0; code < 256; ++code) {
-      alpha[size_t(code)] = float(code) / 255.f;
-      color[size_t(code)] =
-          encoding == TextureEncoding::kSrgb ? LinearFromSrgb(code / 255.0) : alpha[size_t(code)];
+      linear[size_t(code)] = float(code) / 255.f;
+      srgb[size_t(code)] = LinearFromSrgb(code / 255.0);
     }
   }
 };
-
-/// By encoding.
-const std::array<ByteTable, kTextureEncodings> kByteTables = {ByteTable(TextureEncoding::kSrgb),
-                                                              ByteTable(TextureEncoding::kLinear)};
+const ByteTables kByteTables;
 
 /// 256 KiB, made when the first picture of 16 bits is read.
 const std::vector<float>& Srgb16Table() {
@@ -46,13 +42,25 @@ const std::vector<float>& Srgb16Table() {
   return table;
 }
 
-Float4 Decoded(const ByteTable& table, const uint8_t* codes) {
-  return Float4{table.color[codes[0]], table.color[codes[1]], table.color[codes[2]], table.alpha[codes[3]]};
+Float4 DecodedBytes(const std::array<float, 256>& color, const uint8_t* codes) {
+  return Float4{color[codes[0]], color[codes[1]], color[codes[2]], kByteTables.linear[codes[3]]};
 }
 
-Float4 DecodedSrgb16(const uint16_t* codes) {
-  return Float4{LinearFromSrgb16(codes[0]), LinearFromSrgb16(codes[1]), LinearFromSrgb16(codes[2]),
-                float(codes[3]) / 65535.f};
+Float4 DecodedSrgbShorts(const float* color, const uint16_t* codes) {
+  return Float4{color[codes[0]], color[codes[1]], color[codes[2]], float(codes[3]) / 65535.f};
+}
+
+TexelCodes CodesOfImage(const TextureImage& image, TextureEncoding encoding) {
+  using Kind = TexelCodes::Kind;
+  const bool is_srgb = encoding == TextureEncoding::kSrgb;
+  if (image.rgba16.empty()) {
+    return {.kind = is_srgb ? Kind::kSrgbBytes : Kind::kBytes,
+            .bytes = image.rgba.data(),
+            .color = kByteTables.srgb.data()};
+  }
+  return {.kind = is_srgb ? Kind::kSrgbShorts : Kind::kShorts,
+          .shorts = image.rgba16.data(),
+          .color = is_srgb ? Srgb16Table().data() : nullptr};
 }
 
 /// Which texels of the larger level one texel covers along an axis, and how much of each: at most three.
@@ -77,7 +85,7 @@ Cover CoverOf(int i, int small, int large) {
 }  // namespace
 
 float LinearFromSrgb8(uint8_t code) {
-  return kByteTables[size_t(TextureEncoding::kSrgb)].color[code];
+  return kByteTables.srgb[code];
 }
 
 float LinearFromSrgb16(uint16_t code) {
@@ -86,22 +94,27 @@ float LinearFromSrgb16(uint16_t code) {
 
 template <typename Use>
 auto MipPyramid::WithTexels(int level, const Use& use) const {
+  const TexelCodes codes = CodesOf(level);
+  const auto use_bytes = [&](const std::array<float, 256>& color) {
+    return use([&](size_t number) { return DecodedBytes(color, codes.bytes + 4 * number); }, 1.f);
+  };
   // What is decoded by a table has its scale in there.
-  if (level == 0 && image_.rgba16.empty()) {
-    const ByteTable& table = kByteTables[size_t(encoding_)];
-    const uint8_t* codes = image_.rgba.data();
-    return use([&table, codes](size_t number) { return Decoded(table, codes + 4 * number); }, 1.f);
+  switch (codes.kind) {
+    case TexelCodes::Kind::kBytes:
+      return use_bytes(kByteTables.linear);
+    case TexelCodes::Kind::kSrgbBytes:
+      return use_bytes(kByteTables.srgb);
+    case TexelCodes::Kind::kSrgbShorts:
+      return use([&](size_t number) { return DecodedSrgbShorts(codes.color, codes.shorts + 4 * number); },
+                 1.f);
+    case TexelCodes::Kind::kShorts:
+      break;
   }
-  if (level == 0 && encoding_ == TextureEncoding::kSrgb) {
-    const uint16_t* codes = image_.rgba16.data();
-    return use([codes](size_t number) { return DecodedSrgb16(codes + 4 * number); }, 1.f);
-  }
-  const uint16_t* codes = level == 0 ? image_.rgba16.data() : levels_[size_t(level) - 1].rgba.data();
-  return use([codes](size_t number) { return Float4Of(codes + 4 * number); }, 65535.f);
+  return use([shorts = codes.shorts](size_t number) { return Float4Of(shorts + 4 * number); }, 65535.f);
 }
 
 MipPyramid::MipPyramid(const TextureImage& image, TextureEncoding encoding)
-    : image_(image), encoding_(encoding) {
+    : image_(image), first_(CodesOfImage(image, encoding)) {
   for (int level = 0; Width(level) > 1 || Height(level) > 1; ++level) levels_.push_back(Half(level));
 }
 
@@ -164,9 +177,9 @@ V4f MipPyramid::Sum(int level, std::span<const TexelQuad> quads) const {
 }
 
 void MipPyramid::Prefetch(int level, std::span<const TexelQuad> quads) const {
-  const bool bytes = level == 0 && image_.rgba16.empty();
-  const void* texels = bytes ? static_cast<const void*>(image_.rgba.data())
-                             : (level == 0 ? image_.rgba16 : levels_[size_t(level) - 1].rgba).data();
+  const TexelCodes codes = CodesOf(level);
+  const bool bytes = codes.bytes != nullptr;
+  const void* texels = bytes ? static_cast<const void*>(codes.bytes) : codes.shorts;
   const size_t size = bytes ? 4 : 8;
   // What lies to the right is mostly in the same line of the cache.
   for (const TexelQuad& quad : quads) {

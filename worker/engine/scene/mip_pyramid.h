@@ -19,6 +19,22 @@ struct TextureImage;
 enum class TextureEncoding : uint8_t { kSrgb, kLinear };
 inline constexpr size_t kTextureEncodings = 2;
 
+/// Texels of a level where they lie, four codes each, and what the codes mean. Alpha is linear always: its
+/// code over the largest.
+struct TexelCodes {
+  enum class Kind : uint8_t {
+    kBytes,       ///< code / 255.
+    kShorts,      ///< code / 65535.
+    kSrgbBytes,   ///< color[code].
+    kSrgbShorts,  ///< color[code].
+  };
+
+  Kind kind = Kind::kShorts;
+  const uint8_t* bytes = nullptr;    ///< Null where they are shorts.
+  const uint16_t* shorts = nullptr;  ///< Null where they are bytes.
+  const float* color = nullptr;
+};
+
 /// An image at full size and at halves of it down to 1 x 1, each texel the mean of what it covers, in
 /// linear light. Level 0 is read from the image itself (8 or 16 bits); the smaller levels are stored as
 /// linear 16 bit integers. Sides that do not halve are rounded down, with texels weighted by area.
@@ -35,6 +51,10 @@ class MipPyramid {
   int level_count() const { return int(levels_.size()) + 1; }
   int Width(int level) const;
   int Height(int level) const;
+  TexelCodes CodesOf(int level) const {
+    if (level == 0) return first_;
+    return {.kind = TexelCodes::Kind::kShorts, .shorts = levels_[size_t(level) - 1].rgba.data()};
+  }
   /// Linear colour and alpha of a texel, rows from the top.
   V4f Texel(int level, int x, int y) const;
   /// The sum of bilinear looks at a level.
@@ -53,7 +73,7 @@ class MipPyramid {
   Level Half(int level) const;
 
   const TextureImage& image_;
-  const TextureEncoding encoding_;
+  const TexelCodes first_;
   std::vector<Level> levels_;  ///< From level 1 on.
 };
 

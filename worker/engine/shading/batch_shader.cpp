@@ -1,5 +1,8 @@
 #include "worker/engine/shading/batch_shader.h"
 
+#include <algorithm>
+#include <array>
+
 #include "common/base/check.h"
 #include "worker/engine/shading/shade_kernels.h"
 
@@ -11,23 +14,6 @@ void PutCoordinates(const TriangleCoordinates& on, size_t i, SurfaceBatch& batch
   for (const V2d& v : {on.origin, on.along1, on.along2}) {
     batch.coordinates[component++][i] = v.x;
     batch.coordinates[component++][i] = v.y;
-  }
-}
-
-WalkPlan PlanOf(const SurfaceBatch& batch, size_t i) {
-  return {.probes = batch.probes[i],
-          .level = batch.level[i],
-          .between = batch.between[i],
-          .uv = {batch.u[i], batch.v[i]},
-          .step = {batch.step_u[i], batch.step_v[i]}};
-}
-
-/// Calls use(slot) for the textures that are looked at in the same places as `first`.
-template <typename Use>
-void ForWalk(const PreparedMaterial& material, const PreparedTexture& first, const Use& use) {
-  for (size_t slot = 0; slot < kTextureSlots; ++slot) {
-    const PreparedTexture& texture = material.Of(TextureSlot(slot));
-    if (texture.pyramid != nullptr && texture.walk == first.walk) use(slot);
   }
 }
 
@@ -96,21 +82,17 @@ void BatchShader::SampleTextures(const PreparedMaterial& material, std::span<con
 void BatchShader::SampleAlong(const PreparedMaterial& material, const PreparedTexture& first,
                               Desk& desk) const {
   SurfaceBatch& batch = desk.batch;
-  PlanWalks(first.image, kMostProbes, batch);
-  // All places are found, and memory told, before the first is looked at.
-  for (size_t i = 0; i < batch.count; ++i) {
-    desk.walks[i].Follow(first.image, PlanOf(batch, i));
-    ForWalk(material, first,
-            [&](size_t slot) { desk.walks[i].Prefetch(*material.Of(TextureSlot(slot)).pyramid); });
+  std::array<LookedAt, kTextureSlots> looked_at;
+  size_t count = 0;
+  for (size_t slot = 0; slot < kTextureSlots; ++slot) {
+    const PreparedTexture& texture = material.Of(TextureSlot(slot));
+    if (texture.pyramid != nullptr && texture.walk == first.walk)
+      looked_at[count++] = {texture.pyramid, slot};
   }
-  ForWalk(material, first, [&](size_t slot) {
-    const MipPyramid& pyramid = *material.Of(TextureSlot(slot)).pyramid;
-    auto& texels = batch.texels[slot];
-    for (size_t i = 0; i < batch.count; ++i) {
-      const V4f seen = desk.walks[i].Sample(pyramid);
-      for (size_t c = 0; c < 4; ++c) texels[c][i] = seen[int(c)];
-    }
-  });
+  const std::span<const LookedAt> textures(looked_at.data(), count);
+  PlanWalks(first.image, kMostProbes, batch);
+  PlaceLooks(first.image, batch, desk.walks);
+  SumLooks(textures, desk.walks, batch);
 }
 
 void BatchShader::Shade(uint32_t primitive, std::span<const Point> points, TexelShader::Lately& lately,

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "worker/engine/shading/batch_looks.h"
 #include "worker/engine/shading/shade.h"
 #include "worker/engine/shading/surface_batch.h"
 #include "worker/engine/shading/texel_shader.h"
-#include "worker/engine/shading/texture_walk.h"
 
 namespace shutterline::engine {
 
@@ -24,7 +23,7 @@ class BatchShader {
   /// What it takes of memory, for one thread at a time.
   struct Desk {
     SurfaceBatch batch;
-    std::array<TextureWalk, SurfaceBatch::kMost> walks;
+    BatchWalks walks;
   };
 
   /// Both must outlive it.

@@ -8,13 +8,17 @@
 #include <hwy/highway.h>
 
 #include "worker/engine/shading/light_surfaces-inl.h"
+#include "worker/engine/shading/place_looks-inl.h"
 #include "worker/engine/shading/plan_walks-inl.h"
+#include "worker/engine/shading/sum_looks-inl.h"
 
 #if HWY_ONCE
 namespace shutterline::engine {
 
 HWY_EXPORT(MeasureFootprintsKernel);
 HWY_EXPORT(PlanWalksKernel);
+HWY_EXPORT(PlaceLooksKernel);
+HWY_EXPORT(SumLooksKernel);
 HWY_EXPORT(LightSurfacesKernel);
 
 void MeasureFootprints(SurfaceBatch& batch) {
@@ -23,6 +27,14 @@ void MeasureFootprints(SurfaceBatch& batch) {
 
 void PlanWalks(const WalkedImage& image, int most_probes, SurfaceBatch& batch) {
   HWY_DYNAMIC_DISPATCH(PlanWalksKernel)(image, most_probes, batch);
+}
+
+void PlaceLooks(const WalkedImage& image, const SurfaceBatch& batch, BatchWalks& walks) {
+  HWY_DYNAMIC_DISPATCH(PlaceLooksKernel)(image, batch, walks);
+}
+
+void SumLooks(std::span<const LookedAt> textures, const BatchWalks& walks, SurfaceBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(SumLooksKernel)(textures, walks, batch);
 }
 
 void LightSurfaces(const FrameView& view, const Lighting& lighting, const FramePrimitive& primitive,
