@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "common/base/check.h"
 #include "worker/engine/shading/shade_kernels.h"
@@ -83,16 +84,24 @@ void BatchShader::SampleAlong(const PreparedMaterial& material, const PreparedTe
                               Desk& desk) const {
   SurfaceBatch& batch = desk.batch;
   std::array<LookedAt, kTextureSlots> looked_at;
-  size_t count = 0;
+  std::array<std::pair<size_t, size_t>, kTextureSlots> copies;  // From slot, to slot.
+  size_t count = 0, copy_count = 0;
   for (size_t slot = 0; slot < kTextureSlots; ++slot) {
     const PreparedTexture& texture = material.Of(TextureSlot(slot));
-    if (texture.pyramid != nullptr && texture.walk == first.walk)
+    if (texture.pyramid == nullptr || texture.walk != first.walk) continue;
+    // Occlusion mostly shares its image with roughness.
+    const auto same = std::find_if(looked_at.begin(), looked_at.begin() + count,
+                                   [&](const LookedAt& of) { return of.pyramid == texture.pyramid; });
+    if (same != looked_at.begin() + count) {
+      copies[copy_count++] = {same->slot, slot};
+    } else {
       looked_at[count++] = {texture.pyramid, slot};
+    }
   }
-  const std::span<const LookedAt> textures(looked_at.data(), count);
   PlanWalks(first.image, kMostProbes, batch);
   PlaceLooks(first.image, batch, desk.walks);
-  SumLooks(textures, desk.walks, batch);
+  SumLooks({looked_at.data(), count}, desk.walks, batch);
+  for (size_t i = 0; i < copy_count; ++i) batch.texels[copies[i].second] = batch.texels[copies[i].first];
 }
 
 void BatchShader::Shade(uint32_t primitive, std::span<const Point> points, TexelShader::Lately& lately,

@@ -1,5 +1,8 @@
 #include "worker/engine/shading/directional_albedo.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,12 +18,14 @@ constexpr int kSamples = 256;
 
 DirectionalAlbedoTable MakeTable() {
   DirectionalAlbedoTable table;
-  for (int r = 0; r < kSide; ++r) {
+  const auto make_row = [&](int r) {
     for (int v = 0; v < kSide; ++v) {
       table.rows[size_t(r)][size_t(v)] =
           IntegrateDirectionalAlbedo(v / double(kSide - 1), r / double(kSide - 1), kSamples);
     }
-  }
+  };
+  // Isolated: while it waits, a thread must not take up work that wants the table.
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, kSide, make_row); });
   return table;
 }
 

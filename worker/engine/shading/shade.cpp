@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "worker/engine/shading/directional_albedo.h"
 #include "worker/engine/shading/head_light.h"
 #include "worker/engine/shading/reflect.h"
 #include "worker/engine/shading/surface.h"
@@ -22,6 +23,11 @@ absl::StatusOr<Shader> Shader::Create(std::shared_ptr<const FrameScene> frame, c
   if (settings.occlusion && (is_shown || (lighting.HasSky() && !lighting.head_light))) {
     SL_ASSIGN_OR_RETURN(AmbientOcclusion made, AmbientOcclusion::Create(frame, *settings.occlusion, threads));
     occlusion = std::make_shared<const AmbientOcclusion>(std::move(made));
+  }
+  // Made by all threads now, instead of by the first that shades while the others wait.
+  const auto is_lit = [](const FramePrimitive& primitive) { return !primitive.material->unlit; };
+  if (!lighting.head_light && std::any_of(frame->primitives.begin(), frame->primitives.end(), is_lit)) {
+    DirectionalAlbedoTable::Get();
   }
   return Shader(std::move(frame), std::move(lighting), std::move(occlusion));
 }
