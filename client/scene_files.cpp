@@ -1,9 +1,8 @@
-#include "client/scene_manifest.h"
+#include "client/scene_files.h"
 
 #include <absl/strings/str_cat.h>
 
-#include <algorithm>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/asset/digest.h"
@@ -13,29 +12,62 @@
 
 namespace shutterline::client {
 
-absl::StatusOr<SceneManifest> BuildManifest(const engine::AssetSource& source, uint64_t max_file_bytes) {
-  engine::ImportLimits limits;
-  limits.max_file_bytes = std::min(limits.max_file_bytes, max_file_bytes);
-  SL_ASSIGN_OR_RETURN(const std::vector<std::string> external, engine::ListExternalFiles(source, limits));
-
-  SceneManifest manifest;
-  manifest.root_name = source.RootName();
-  std::vector<std::string> names{manifest.root_name};
+absl::StatusOr<SceneFiles> SceneFiles::Read(std::unique_ptr<const engine::AssetSource> source,
+                                            const Limits& limits) {
+  SceneFiles files(std::move(source), limits);
+  SceneManifest& manifest = files.manifest_;
+  manifest.root_name = files.source_->RootName();
+  SL_ASSIGN_OR_RETURN(std::string root, files.ReadFile(manifest.root_name));
+  SL_ASSIGN_OR_RETURN(const std::vector<std::string> external,
+                      engine::ListExternalFiles(*files.source_, root));
+  files.Add(manifest.root_name, std::move(root));
   for (const std::string& name : external) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (manifest.Find(name) != nullptr) continue;
+    SL_ASSIGN_OR_RETURN(std::string bytes, files.ReadFile(name));
+    files.Add(name, std::move(bytes));
   }
-  const std::string context = absl::StrCat("load scene ", manifest.root_name);
+  SL_RETURN_IF_ERROR(Annotate(files.ReadEnvironment(), files.Context()));
+  return files;
+}
+
+std::string SceneFiles::Context() const {
+  return absl::StrCat("load scene ", source_->RootName());
+}
+
+absl::StatusOr<std::string> SceneFiles::ReadFile(const std::string& name) const {
+  SL_RETURN_IF_ERROR(Annotate(ValidateRelativeName(name), absl::StrCat(Context(), ": file '", name, "'")));
+  absl::StatusOr<std::string> bytes = source_->Read(name, limits_.max_file_bytes);
+  if (!bytes.ok()) return Annotate(bytes.status(), Context());
+  return bytes;
+}
+
+absl::Status SceneFiles::ReadEnvironment() {
+  const std::string name(engine::kEnvironmentFile);
+  absl::StatusOr<std::string> bytes = source_->Read(name, limits_.max_file_bytes);
+  if (absl::IsNotFound(bytes.status())) return absl::OkStatus();
+  SL_RETURN_IF_ERROR(bytes.status());
   // What the workers would refuse is refused here.
-  const auto environment = engine::ReadEnvironment(source, limits.max_file_bytes);
-  if (!environment.ok()) return Annotate(environment.status(), context);
-  if (*environment != nullptr) names.emplace_back(engine::kEnvironmentFile);
-  for (const std::string& name : names) {
-    SL_RETURN_IF_ERROR(Annotate(ValidateRelativeName(name), absl::StrCat(context, ": file '", name, "'")));
-    const absl::StatusOr<std::string> bytes = source.Read(name, limits.max_file_bytes);
-    if (!bytes.ok()) return Annotate(bytes.status(), context);
-    manifest.files.push_back({name, Sha256(*bytes), bytes->size()});
+  SL_RETURN_IF_ERROR(engine::DecodeEnvironment(*bytes).status());
+  Add(name, *std::move(bytes));
+  return absl::OkStatus();
+}
+
+void SceneFiles::Add(const std::string& name, std::string bytes) {
+  manifest_.files.push_back({name, Sha256(bytes), bytes.size()});
+  if (bytes.size() > room_) return;
+  room_ -= bytes.size();
+  kept_.emplace(name, std::move(bytes));
+}
+
+absl::StatusOr<std::string> SceneFiles::Take(const SceneFile& file) {
+  if (auto kept = kept_.extract(file.name)) return std::move(kept.mapped());
+  absl::StatusOr<std::string> bytes = source_->Read(file.name, file.size);
+  const bool grown = absl::IsResourceExhausted(bytes.status());
+  if (!bytes.ok() && !grown) return bytes.status();
+  if (grown || bytes->size() != file.size || Sha256(*bytes) != file.digest) {
+    return absl::AbortedError(absl::StrCat("file '", file.name, "' has changed since it was hashed"));
   }
-  return manifest;
+  return bytes;
 }
 
 }  // namespace shutterline::client
