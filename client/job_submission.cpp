@@ -2,21 +2,48 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <memory>
+#include <string>
+#include <utility>
+
 #include "client/human.h"
-#include "client/scene_manifest.h"
 #include "client/scene_source.h"
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
 
 namespace shutterline::client {
-absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options,
+namespace {
+
+/// What the coordinator would refuse is refused before anything travels.
+absl::Status CheckSizes(const SceneManifest& scene, uint64_t max_file_bytes) {
+  for (const SceneFile& file : scene.files) {
+    if (file.size <= max_file_bytes) continue;
+    return absl::ResourceExhaustedError(
+        absl::StrCat("load scene ", scene.root_name, ": file '", file.name, "' has ", file.size,
+                     " bytes, but the coordinator takes ", "at most ", max_file_bytes));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+SceneReading StartReading(const JobOptions& options) {
+  const auto read = [](const std::string& scene,
+                       const std::string& environment) -> absl::StatusOr<SceneFiles> {
+    SL_ASSIGN_OR_RETURN(std::unique_ptr<engine::AssetSource> source, OpenSceneSource(scene, environment));
+    return SceneFiles::Read(std::move(source), SceneFiles::Limits());
+  };
+  return std::async(std::launch::async, read, options.scene, options.environment);
+}
+
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, SceneReading scene,
                                      const v1::SubmitRequest& wishes, Progress& progress) {
   SL_ASSIGN_OR_RETURN(const v1::Capabilities capabilities, Greet(connection));
-  SL_ASSIGN_OR_RETURN(const auto source, OpenSceneSource(options.scene, options.environment));
+  SL_ASSIGN_OR_RETURN(SceneFiles files, scene.get());
   JobSpec spec;
-  SL_ASSIGN_OR_RETURN(spec.scene, BuildManifest(*source, capabilities.max_blob_bytes()));
-  spec.name = source->RootName();
+  spec.scene = files.manifest();
+  spec.name = spec.scene.root_name;
   spec.frames = options.frames;
   spec.render = options.settings;
   spec.output = options.output_settings;
@@ -28,10 +55,10 @@ absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& o
   limits.max_manifest_files = capabilities.max_manifest_files();
   limits.max_name_bytes = capabilities.max_name_bytes();
   SL_RETURN_IF_ERROR(Validate(spec, limits));
+  SL_RETURN_IF_ERROR(CheckSizes(spec.scene, capabilities.max_blob_bytes()));
 
   Submission submission;
-  SL_ASSIGN_OR_RETURN(submission.upload,
-                      Upload(connection, *source, spec.scene, [&](uint64_t sent, uint64_t total) {
+  SL_ASSIGN_OR_RETURN(submission.upload, Upload(connection, files, [&](uint64_t sent, uint64_t total) {
                         ProgressFacts facts;
                         facts.state = "uploading";
                         facts.unit = "kB";

@@ -16,7 +16,8 @@
 namespace shutterline::client {
 namespace {
 
-constexpr size_t kChunkBytes = 64 << 10;
+/// A message costs some hops between threads; beyond this they no longer count.
+constexpr size_t kChunkBytes = 256 << 10;
 constexpr int kDigestsPerCall = 1000;
 
 /// Those of `request` that the coordinator lacks.
@@ -110,8 +111,9 @@ absl::Status UploadBlob(Connection& connection, const std::string& name, const D
 
 }  // namespace
 
-absl::StatusOr<UploadReport> Upload(Connection& connection, const engine::AssetSource& source,
-                                    const SceneManifest& manifest, const UploadProgress& progress) {
+absl::StatusOr<UploadReport> Upload(Connection& connection, SceneFiles& scene,
+                                    const UploadProgress& progress) {
+  const SceneManifest& manifest = scene.manifest();
   UploadReport report;
   report.files = static_cast<int64_t>(manifest.files.size());
   for (const SceneFile& file : manifest.files) report.bytes += file.size;
@@ -125,11 +127,9 @@ absl::StatusOr<UploadReport> Upload(Connection& connection, const engine::AssetS
     total += file.size;
   }
   for (const SceneFile* file : to_send) {
-    SL_ASSIGN_OR_RETURN(const std::string bytes, source.Read(file->name, file->size));
-    if (bytes.size() != file->size || Sha256(bytes) != file->digest) {
-      return absl::AbortedError(absl::StrCat("upload ", file->name, ": the file changed meanwhile"));
-    }
-    SL_RETURN_IF_ERROR(UploadBlob(connection, file->name, file->digest, bytes, [&](uint64_t sent) {
+    const absl::StatusOr<std::string> bytes = scene.Take(*file);
+    if (!bytes.ok()) return Annotate(bytes.status(), absl::StrCat("upload ", file->name));
+    SL_RETURN_IF_ERROR(UploadBlob(connection, file->name, file->digest, *bytes, [&](uint64_t sent) {
       if (progress) progress(report.bytes_uploaded + sent, total);
     }));
     ++report.files_uploaded;

@@ -6,8 +6,7 @@
 #include <functional>
 
 #include "client/connection.h"
-#include "common/job/job_spec.h"
-#include "worker/engine/scene/asset_source.h"
+#include "client/scene_files.h"
 
 namespace shutterline::client {
 
@@ -21,11 +20,11 @@ struct UploadReport {
 /// Told as an upload advances: bytes sent and to send, of the files that the coordinator lacks.
 using UploadProgress = std::function<void(uint64_t sent, uint64_t total)>;
 
-/// Sends those files of `manifest` that the coordinator lacks, each from where an earlier attempt broke
-/// off. A dropped connection is resumed for as long as the connection's retry policy says. Files are read
-/// again and must not have changed since the manifest was made (ABORTED).
-absl::StatusOr<UploadReport> Upload(Connection& connection, const engine::AssetSource& source,
-                                    const SceneManifest& manifest, const UploadProgress& progress = nullptr);
+/// Sends those files of `scene` that the coordinator lacks, each from where an earlier attempt broke off, and
+/// takes their bytes. A dropped connection is resumed for as long as the connection's retry policy says.
+/// Files whose bytes were not kept must not have changed since they were hashed (ABORTED).
+absl::StatusOr<UploadReport> Upload(Connection& connection, SceneFiles& scene,
+                                    const UploadProgress& progress = nullptr);
 
 /// "3 files, 12.5 MB: all uploaded", "..., unchanged: 0 bytes uploaded": for people.
 std::string Describe(const UploadReport& report);

@@ -44,6 +44,7 @@ class DiskAssetStore::Writer final : public BlobWriter {
       SL_RETURN_IF_ERROR(file_->Truncate(0));
       written_ = 0;
     }
+    if (written_ == 0) hash_.emplace();
     if (offset == written_) return absl::OkStatus();
     return absl::OutOfRangeError(absl::StrCat("blob ", digest_.ToHex(), ": the write starts at ", offset,
                                               ", but ", written_, " bytes are here"));
@@ -55,13 +56,14 @@ class DiskAssetStore::Writer final : public BlobWriter {
           absl::StrCat("blob ", digest_.ToHex(), ": more than the announced ", size_, " bytes came"));
     }
     SL_RETURN_IF_ERROR(file_->WriteAt(written_, data));
+    if (hash_) hash_->Update(data);
     written_ += data.size();
     return absl::OkStatus();
   }
 
   absl::StatusOr<CommittedBlob> Finish() override {
     if (written_ < size_) return CommittedBlob{written_, false};
-    SL_ASSIGN_OR_RETURN(const Digest actual, DigestOf(*file_, size_));
+    SL_ASSIGN_OR_RETURN(const Digest actual, FinishHash());
     if (actual != digest_) {
       SL_RETURN_IF_ERROR(RemoveFile(file_->path()));
       written_ = 0;
@@ -78,11 +80,21 @@ class DiskAssetStore::Writer final : public BlobWriter {
   }
 
  private:
+  absl::StatusOr<Digest> FinishHash() {
+    if (!hash_) return DigestOf(*file_, size_);
+    const Digest digest = hash_->Finish();
+    hash_.reset();
+    return digest;
+  }
+
   DiskAssetStore& store_;
   const Digest digest_;
   const uint64_t size_;
   std::optional<File> file_;
   uint64_t written_ = 0;
+  /// Of what came; empty where an earlier writer began. What that one left is read back once, at the end: who
+  /// breaks off and begins again must not cost a reading each time.
+  std::optional<Sha256Stream> hash_;
   bool complete_ = false;
 };
 

@@ -52,7 +52,7 @@ grpc::Status FakeFarm::GetCapabilities(grpc::ServerContext*, const v1::Capabilit
   reply->set_max_frames(100'000);
   reply->set_max_tiles(1'000'000);
   reply->set_max_manifest_files(1000);
-  reply->set_max_blob_bytes(1 << 24);
+  reply->set_max_blob_bytes(max_blob_bytes);
   reply->set_max_name_bytes(1024);
   return Unary();
 }

@@ -36,6 +36,7 @@ class FakeFarm final : public v1::Jobs::Service, public v1::Blobs::Service {
   size_t chunk_bytes = 1000;             ///< Of FetchFrame.
   int unavailable_calls = 0;             ///< So many unary calls fail first.
   uint32_t protocol_low = 1, protocol_high = 1;
+  uint64_t max_blob_bytes = 1 << 24;
 
   // --- What the test looks at, after the calls ---------------------------------------------------
   std::map<std::string, std::string> blobs;     ///< Complete, by SHA-256.

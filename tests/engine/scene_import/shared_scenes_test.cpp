@@ -97,7 +97,9 @@ TEST(SharedScenes, ExternalFilesAreListedDecodedAndOnce) {
   if (!folder.has_value()) GTEST_SKIP();
   auto source = DirectoryAssetSource::Open(*folder + "/InterpolationTest/InterpolationTest.gltf");
   ASSERT_TRUE(source.ok()) << source.status();
-  const auto files = ListExternalFiles(**source);
+  const auto root = (*source)->Read("InterpolationTest.gltf", 1 << 20);
+  ASSERT_TRUE(root.ok()) << root.status();
+  const auto files = ListExternalFiles(**source, *root);
   ASSERT_TRUE(files.ok()) << files.status();
   EXPECT_EQ(*files, (std::vector<std::string>{"interpolation.bin", "l.jpg"}));
 }

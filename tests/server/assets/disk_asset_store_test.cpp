@@ -68,6 +68,26 @@ TEST_F(DiskAssetStoreTest, WrongBytesAreDropped) {
   EXPECT_TRUE(Put(digest, "right")->complete);
 }
 
+TEST_F(DiskAssetStoreTest, WhatAnEarlierWriterLeftIsVerifiedWithTheRest) {
+  const std::string content = "some bytes";
+  const Digest digest = Sha256(content);
+  const auto write = [&](size_t offset, const std::string& bytes) {
+    auto writer = store_->Write(digest, content.size(), offset);
+    EXPECT_TRUE(writer.ok()) << writer.status();
+    EXPECT_TRUE((*writer)->Append(bytes).ok());
+    return (*writer)->Finish();
+  };
+  EXPECT_EQ(write(0, "some ")->size, 5u);
+  std::ofstream(absl::StrCat(folder_.path(), "/incoming/", digest.ToHex())) << "SOME ";
+  EXPECT_TRUE(absl::IsInvalidArgument(write(5, "bytes").status()));
+  EXPECT_EQ(store_->Query(digest)->size, 0u);
+  // In three pieces, by three writers.
+  EXPECT_FALSE(write(0, "so")->complete);
+  EXPECT_FALSE(write(2, "me by")->complete);
+  EXPECT_TRUE(write(7, "tes")->complete);
+  EXPECT_EQ(store_->ReadVerified(digest, 100).value(), content);
+}
+
 TEST_F(DiskAssetStoreTest, EmptyBlobIsABlobAndALargeOneIsRefused) {
   EXPECT_TRUE(Put(Sha256(""), "")->complete);
   EXPECT_EQ(store_->Size(Sha256("")).value(), 0u);

@@ -57,14 +57,18 @@ absl::StatusOr<std::shared_ptr<const Environment>> Decode(absl::string_view byte
 
 }  // namespace
 
+absl::StatusOr<std::shared_ptr<const Environment>> DecodeEnvironment(absl::string_view bytes) {
+  auto environment = Decode(bytes);
+  if (!environment.ok()) return Annotate(environment.status(), "environment");
+  return environment;
+}
+
 absl::StatusOr<std::shared_ptr<const Environment>> ReadEnvironment(const AssetSource& source,
                                                                    uint64_t max_file_bytes) {
   const absl::StatusOr<std::string> bytes = source.Read(kEnvironmentFile, max_file_bytes);
   if (absl::IsNotFound(bytes.status())) return std::shared_ptr<const Environment>();
   if (!bytes.ok()) return bytes.status();
-  auto environment = Decode(*bytes);
-  if (!environment.ok()) return Annotate(environment.status(), "environment");
-  return environment;
+  return DecodeEnvironment(*bytes);
 }
 
 }  // namespace shutterline::engine

@@ -28,6 +28,9 @@ struct Environment {
 absl::StatusOr<std::shared_ptr<const Environment>> ReadEnvironment(const AssetSource& source,
                                                                    uint64_t max_file_bytes);
 
+/// The same from the bytes of the picture.
+absl::StatusOr<std::shared_ptr<const Environment>> DecodeEnvironment(absl::string_view bytes);
+
 inline constexpr int kMaxEnvironmentWidth = 8192;
 
 }  // namespace shutterline::engine

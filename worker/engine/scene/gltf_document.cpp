@@ -157,8 +157,13 @@ absl::Status ReadGltfRoot(GltfDocument* document, Json* json, std::string* root,
                           bool* has_bin) {
   const std::string& name = document->source.RootName();
   SL_ASSIGN_OR_RETURN(*root, document->source.Read(name, document->limits.max_file_bytes));
-  SL_RETURN_IF_ERROR(document->file_bytes.Take(root->size(), "the root file"));
-  SL_ASSIGN_OR_RETURN(const GltfContainer container, SplitGltfContainer(*root));
+  return ParseGltfRoot(document, *root, json, bin, has_bin);
+}
+
+absl::Status ParseGltfRoot(GltfDocument* document, absl::string_view root, Json* json, absl::string_view* bin,
+                           bool* has_bin) {
+  SL_RETURN_IF_ERROR(document->file_bytes.Take(root.size(), "the root file"));
+  SL_ASSIGN_OR_RETURN(const GltfContainer container, SplitGltfContainer(root));
   for (const std::string& warning : container.warnings) document->Warn(warning);
   *bin = container.bin;
   *has_bin = container.has_bin;

@@ -56,8 +56,12 @@ std::string GltfElement(absl::string_view kind, size_t index, absl::string_view 
 /// Reads the root file and all buffers into `document`.
 absl::Status LoadGltfDocument(GltfDocument* document);
 
-/// The root file's JSON, checked by the schema; `root` keeps the bytes that `bin`, the GLB's binary
-/// chunk, points into.
+/// The JSON of the root file, whose bytes are `root`, checked by the schema; `bin`, the GLB's binary chunk,
+/// points into them.
+absl::Status ParseGltfRoot(GltfDocument* document, absl::string_view root, nlohmann::json* json,
+                           absl::string_view* bin, bool* has_bin);
+
+/// The same of a root file that is still to be read; `root` keeps its bytes.
 absl::Status ReadGltfRoot(GltfDocument* document, nlohmann::json* json, std::string* root,
                           absl::string_view* bin, bool* has_bin);
 

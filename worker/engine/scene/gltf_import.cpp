@@ -57,13 +57,13 @@ absl::Status ImportAll(const AssetSource& source, const ImportLimits& limits, Sc
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<std::string>> ListAll(const AssetSource& source, const ImportLimits& limits) {
+absl::StatusOr<std::vector<std::string>> ListAll(const AssetSource& source, absl::string_view root,
+                                                 const ImportLimits& limits) {
   GltfDocument document(source, limits);
   nlohmann::json json;
-  std::string root;
   absl::string_view bin;
   bool has_bin = false;
-  SL_RETURN_IF_ERROR(ReadGltfRoot(&document, &json, &root, &bin, &has_bin));
+  SL_RETURN_IF_ERROR(ParseGltfRoot(&document, root, &json, &bin, &has_bin));
   std::vector<std::string> files;
   for (const char* array : {"buffers", "images"}) {
     const auto elements = json.find(array);
@@ -110,9 +110,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& sourc
   });
 }
 
-absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source,
+absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source, absl::string_view root,
                                                            const ImportLimits& limits) {
-  return Guard(source, [&] { return ListAll(source, limits); });
+  return Guard(source, [&] { return ListAll(source, root, limits); });
 }
 
 }  // namespace shutterline::engine

@@ -51,8 +51,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> ImportGltf(const AssetSource& sourc
                                                         const ImportLimits& limits = {});
 
 /// The relative URIs, decoded, of the external files that the root file's `buffers` and `images` name,
-/// each once, in order. For clients that upload a scene. Errors as above.
-absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source,
+/// each once, in order. For clients that upload a scene, and so have read the root file, whose bytes are
+/// `root`. Errors as above.
+absl::StatusOr<std::vector<std::string>> ListExternalFiles(const AssetSource& source, absl::string_view root,
                                                            const ImportLimits& limits = {});
 
 }  // namespace shutterline::engine

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/job/job_spec.h"
+#include "worker/engine/scene/asset_source.h"
+
+namespace shutterline::client {
+
+/// A scene's files as they were when they were first read: what a manifest says of them, and their bytes as
+/// far as those fit into `max_kept_bytes`, so that most scenes are read and hashed once. Not thread-safe.
+class SceneFiles {
+ public:
+  struct Limits {
+    uint64_t max_file_bytes = uint64_t{2} << 30;
+    uint64_t max_kept_bytes = uint64_t{256} << 20;  ///< Of all files together; those beyond are read again.
+  };
+
+  /// The root file and every file that it refers to, the root first, and the scene's environment, if it has
+  /// one, the last. INVALID_ARGUMENT where a URI leaves the root's folder, NOT_FOUND where a file is missing,
+  /// RESOURCE_EXHAUSTED where one is larger than may be, and what ListExternalFiles refuses; messages name
+  /// the scene, the file and the reason.
+  static absl::StatusOr<SceneFiles> Read(std::unique_ptr<const engine::AssetSource> source,
+                                         const Limits& limits);
+
+  const SceneManifest& manifest() const { return manifest_; }
+  /// The bytes whose digest the manifest has, which are not kept any longer. ABORTED where they were not kept
+  /// and the file has changed meanwhile.
+  absl::StatusOr<std::string> Take(const SceneFile& file);
+
+ private:
+  SceneFiles(std::unique_ptr<const engine::AssetSource> source, const Limits& limits)
+      : source_(std::move(source)), limits_(limits), room_(limits.max_kept_bytes) {}
+  std::string Context() const;
+  absl::StatusOr<std::string> ReadFile(const std::string& name) const;
+  absl::Status ReadEnvironment();
+  void Add(const std::string& name, std::string bytes);
+
+  std::unique_ptr<const engine::AssetSource> source_;
+  const Limits limits_;
+  SceneManifest manifest_;
+  std::map<std::string, std::string> kept_;  ///< By name.
+  uint64_t room_;                            ///< For more to be kept.
+};
+
+}  // namespace shutterline::client
