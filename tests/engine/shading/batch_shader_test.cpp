@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <iterator>
+#include <limits>
 #include <random>
 
 #include "tests/engine/scene_motion/scene_builder.h"
@@ -35,6 +37,12 @@ class RandomScene : public SceneBuilder {
     primitive.positions[0] = primitive.positions[1];
     primitive.positions[3] = V3f(0, 0, 5);
     primitive.positions[6] = V3f(1e30f, 0, 0);
+    // Coordinates of texels that are many images away, beyond what is told apart, and beyond all numbers.
+    const float odd[] = {3e8f, -7e8f, 1e12f, -1e30f, 3e38f, std::numeric_limits<float>::infinity()};
+    for (size_t i = 0; i < std::size(odd); ++i) {
+      primitive.texcoords[0][12 + 2 * i].x = odd[i];
+      primitive.texcoords[0][13 + 2 * i].y = -odd[i];
+    }
     if (has_normals) primitive.normals[9] = primitive.normals[10] = primitive.normals[11] = V3f(0);
     if (scene->materials[0].normal_texture.texture >= 0) {
       for (int i = 0; i < 3 * kTriangles; ++i) {
