@@ -5,16 +5,12 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <thread>
 
-#include "common/base/build_id.h"
 #include "common/base/ids.h"
 #include "proto/convert/job_spec.h"
-#include "proto/convert/status.h"
 #include "tests/server/coordinator_fixture.h"
 #include "tests/server/fake_worker.h"
 
@@ -105,92 +101,6 @@ TEST_F(CoordinatorTest, RequestIdMakesSubmitSafeToRepeat) {
   EXPECT_EQ(Submit(request, refused).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(CoordinatorTest, RestartKeepsAcknowledgedTilesAndFinishesTheJob) {
-  const v1::Job job = SubmitOrDie(TriangleJob(5, 6, 128, 64));  // 8 tiles a frame.
-  v1::Welcome before;
-  int acknowledged = 0;
-  {
-    FakeWorker worker(channel_);
-    before = worker.welcome();
-    while (acknowledged < 5) {
-      worker.Credit(1);
-      const v1::ResultAck ack = worker.Render(worker.NextGrant());
-      for (const int outcome : ack.outcomes()) EXPECT_EQ(outcome, v1::ResultAck::OUTCOME_STORED);
-      acknowledged += ack.outcomes_size();
-    }
-  }
-  StopCoordinator();
-  StartCoordinator();
-  EXPECT_EQ(Get(job.id()).tiles_done(), uint64_t(acknowledged));
-  FakeWorker worker(channel_);
-  EXPECT_EQ(worker.welcome().epoch(), before.epoch() + 1);
-  worker.RenderUntilForgotten();
-  EXPECT_EQ(WaitForEnd(job.id()).state(), v1::JOB_STATE_SUCCEEDED);
-  ExpectSyntheticFrame(job.id(), 5, 128, 64);
-  ExpectSyntheticFrame(job.id(), 6, 128, 64);
-  StopCoordinator();
-  StartCoordinator();  // An ended job and its frames are still there.
-  EXPECT_EQ(Get(job.id()).state(), v1::JOB_STATE_SUCCEEDED);
-  EXPECT_EQ(WaitForEnd(job.id()).frames_finished(), 2u);
-  ExpectSyntheticFrame(job.id(), 6, 128, 64);
-}
-
-/// How a job's frames stood at last.
-std::map<int, v1::FrameStatus> LastOf(const std::vector<v1::JobEvent>& events) {
-  std::map<int, v1::FrameStatus> frames;
-  for (const v1::JobEvent& event : events) {
-    if (event.has_frame()) frames[event.frame().frame()] = event.frame();
-  }
-  return frames;
-}
-
-TEST_F(CoordinatorTest, WhatTilesTookIsSummedOncePerTileAndSurvivesARestart) {
-  const v1::Job job = SubmitOrDie(TriangleJob(1, 2, 64, 64));  // 4 tiles a frame.
-  {
-    FakeWorker worker(channel_);
-    worker.Credit(1);
-    const v1::Grant grant = worker.NextGrant();
-    worker.Render(grant);
-    const v1::ResultAck again = worker.Render(grant);
-    for (const int outcome : again.outcomes()) EXPECT_EQ(outcome, v1::ResultAck::OUTCOME_DUPLICATE);
-    worker.RenderUntilForgotten();
-  }
-  for (const bool restarted : {false, true}) {
-    if (restarted) {
-      StopCoordinator();
-      StartCoordinator();
-    }
-    std::vector<v1::JobEvent> events;
-    WaitForEnd(job.id(), &events);
-    const std::map<int, v1::FrameStatus> frames = LastOf(events);
-    ASSERT_EQ(frames.size(), 2u);
-    for (const auto& [number, frame] : frames) {
-      EXPECT_EQ(frame.stats().tiles(), 4) << number;
-      EXPECT_EQ(frame.stats().lines(), 4 * 100 + 0 + 1 + 2 + 3) << number;
-      EXPECT_EQ(frame.stats().shade_seconds(), 1.0) << number;
-    }
-  }
-}
-
-TEST_F(CoordinatorTest, OfAnUnfinishedFrameARestartForgetsWhatItsTilesTook) {
-  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 256, 64));  // 16 tiles.
-  int before = 0;
-  {
-    FakeWorker worker(channel_);
-    worker.Credit(1);
-    before = worker.Render(worker.NextGrant()).outcomes_size();
-    ASSERT_LT(before, 16);
-  }
-  StopCoordinator();
-  StartCoordinator();
-  FakeWorker worker(channel_);
-  worker.RenderUntilForgotten();
-  std::vector<v1::JobEvent> events;
-  WaitForEnd(job.id(), &events);
-  EXPECT_EQ(LastOf(events)[0].tiles_done(), 16u);
-  EXPECT_EQ(LastOf(events)[0].stats().tiles(), 16 - before);
-}
-
 TEST_F(CoordinatorTest, DeadWorkersTilesGoToAnother) {
   const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 64, 64));
   FakeWorker dying(channel_, "dying");
@@ -239,23 +149,6 @@ TEST_F(CoordinatorTest, DuplicatesAndMismatchesKeepTheFirstPixels) {
   ExpectSyntheticFrame(job.id(), 0, 64, 32);
 }
 
-TEST_F(CoordinatorTest, ResultsThatDoNotFitAreRefused) {
-  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 64, 32));
-  FakeWorker worker(channel_);
-  worker.Credit(1);
-  const v1::Grant grant = worker.NextGrant();
-  const v1::TileResult good = worker.Result(grant, grant.tiles(0));
-  v1::TileResult frame = good, tile = good, size = good, unknown = good;
-  frame.set_frame(1);
-  tile.set_tile(2);
-  size.mutable_pixels()->pop_back();
-  unknown.set_job_id("no such job");
-  EXPECT_THAT(worker.Push({frame, tile, size, unknown, good}).outcomes(),
-              testing::ElementsAre(v1::ResultAck::OUTCOME_REFUSED, v1::ResultAck::OUTCOME_REFUSED,
-                                   v1::ResultAck::OUTCOME_REFUSED, v1::ResultAck::OUTCOME_UNWANTED,
-                                   v1::ResultAck::OUTCOME_STORED));
-}
-
 TEST_F(CoordinatorTest, CancelRevokesLeasesAndIsDurable) {
   const v1::Job job = SubmitOrDie(TriangleJob(0, 9, 64, 64));
   FakeWorker worker(channel_);
@@ -293,107 +186,6 @@ TEST_F(CoordinatorTest, TileThatFailsThreeTimesFailsTheJobWithItsReason) {
   const v1::Job failed = WaitForEnd(job.id());
   EXPECT_EQ(failed.state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(failed.error(), HasSubstr("frame 4, tile 0: RESOURCE_EXHAUSTED: too many triangles"));
-}
-
-TEST_F(CoordinatorTest, SubmitNamesWhatIsWrong) {
-  const v1::SubmitRequest good = TriangleJob(0, 0, 64, 64);
-  const auto expect = [&](const char* what, grpc::StatusCode code,
-                          const std::function<void(v1::JobSpec&)>& change) {
-    v1::SubmitRequest request = good;
-    request.set_request_id(MakeUuid());
-    change(*request.mutable_spec());
-    v1::Job job;
-    const grpc::Status status = Submit(request, job);
-    EXPECT_EQ(status.error_code(), code) << what << ": " << status.error_message();
-    EXPECT_THAT(status.error_message(), HasSubstr(what));
-  };
-  using enum grpc::StatusCode;
-  expect("render.pattern", INVALID_ARGUMENT,
-         [](v1::JobSpec& s) { s.mutable_render()->set_pattern(v1::Pattern(77)); });
-  expect("width", INVALID_ARGUMENT, [](v1::JobSpec& s) { s.mutable_render()->set_width(0); });
-  expect("frames.step", INVALID_ARGUMENT, [](v1::JobSpec& s) { s.mutable_frames()->set_step(0); });
-  expect("frames", INVALID_ARGUMENT, [](v1::JobSpec& s) {
-    s.mutable_frames()->set_first(INT32_MIN);
-    s.mutable_frames()->set_last(INT32_MAX);
-  });
-  expect("..", INVALID_ARGUMENT,
-         [](v1::JobSpec& s) { s.mutable_scene()->mutable_files(0)->set_name("../a"); });
-  expect("scene.root_name", INVALID_ARGUMENT, [](v1::JobSpec& s) { s.mutable_scene()->set_root_name("b"); });
-  expect("size_bytes", INVALID_ARGUMENT,
-         [](v1::JobSpec& s) { s.mutable_scene()->mutable_files(0)->set_size_bytes(1); });
-  const Digest nowhere = Sha256("nowhere");
-  expect(nowhere.ToHex().c_str(), FAILED_PRECONDITION, [&](v1::JobSpec& s) {
-    *s.mutable_scene()->mutable_files(0)->mutable_digest() = convert::ToProto(nowhere);
-  });
-  expect("left", INVALID_ARGUMENT, [](v1::JobSpec& s) { s.mutable_render()->set_camera("left"); });
-  const SceneFile broken = Upload("triangle.gltf", "{\"asset\":{\"version\":\"2.0\"},\"meshes\":7}");
-  expect("triangle.gltf", INVALID_ARGUMENT, [&](v1::JobSpec& s) {
-    *s.mutable_scene()->mutable_files(0)->mutable_digest() = convert::ToProto(broken.digest);
-    s.mutable_scene()->mutable_files(0)->set_size_bytes(broken.size);
-  });
-  SubmitOrDie(good);  // And the coordinator lives.
-}
-
-TEST_F(CoordinatorTest, StrangersAreRefusedByName) {
-  const auto stub = v1::Workers::NewStub(channel_);
-  v1::Hello build = FakeWorker::MakeHello("x"), protocol = build;
-  build.set_build_id("0.0.1+other");
-  protocol.mutable_protocol()->set_low(900);
-  protocol.mutable_protocol()->set_high(901);
-  v1::Welcome welcome;
-  grpc::ClientContext first, second;
-  const grpc::Status by_build = stub->Register(&first, build, &welcome);
-  EXPECT_EQ(by_build.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_THAT(by_build.error_message(), testing::AllOf(HasSubstr("0.0.1+other"), HasSubstr(kBuildId)));
-  const grpc::Status by_protocol = stub->Register(&second, protocol, &welcome);
-  EXPECT_EQ(by_protocol.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_THAT(by_protocol.error_message(), HasSubstr("900 to 901"));
-}
-
-TEST_F(CoordinatorTest, StaleEpochAndUnknownSessionAreAborted) {
-  const auto stub = v1::Workers::NewStub(channel_);
-  FakeWorker worker(channel_);
-  for (const bool stale : {true, false}) {
-    v1::WorkerMessage open;
-    open.mutable_open()->set_epoch(worker.welcome().epoch() - (stale ? 1 : 0));
-    open.mutable_open()->set_session_id(stale ? worker.welcome().session_id() : MakeUuid());
-    grpc::ClientContext context;
-    const auto session = stub->Session(&context);
-    session->Write(open);
-    v1::CoordinatorMessage message;
-    EXPECT_FALSE(session->Read(&message));
-    EXPECT_EQ(session->Finish().error_code(), grpc::StatusCode::ABORTED);
-    v1::ResultBatch batch;
-    batch.set_epoch(open.open().epoch());
-    batch.set_session_id(open.open().session_id());
-    grpc::ClientContext results_context;
-    const auto results = stub->PushResults(&results_context);
-    results->Write(batch);
-    v1::ResultAck ack;
-    EXPECT_FALSE(results->Read(&ack));
-    EXPECT_EQ(results->Finish().error_code(), grpc::StatusCode::ABORTED);
-  }
-}
-
-TEST_F(CoordinatorTest, ImpossibleStatisticsAreRefusedByNameAndCountForNothing) {
-  const v1::Job job = SubmitOrDie(TriangleJob(0, 0, 32, 32));
-  FakeWorker worker(channel_);
-  worker.Credit(1);
-  v1::ResultBatch batch;
-  batch.set_epoch(worker.welcome().epoch());
-  batch.set_session_id(worker.welcome().session_id());
-  *batch.add_tiles() = worker.Result(worker.NextGrant(), 0);
-  batch.mutable_tiles(0)->mutable_stats()->set_resolve_seconds(std::nan(""));
-  const auto stub = v1::Workers::NewStub(channel_);
-  grpc::ClientContext context;
-  const auto results = stub->PushResults(&context);
-  results->Write(batch);
-  v1::ResultAck ack;
-  EXPECT_FALSE(results->Read(&ack));
-  const grpc::Status status = results->Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), HasSubstr("tile 0 of frame 0: stats.resolve_seconds: is nan"));
-  EXPECT_EQ(Get(job.id()).tiles_done(), 0u);
 }
 
 TEST_F(CoordinatorTest, SecondStreamTakesTheSessionOver) {
