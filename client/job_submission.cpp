@@ -2,15 +2,14 @@
 
 #include <absl/strings/str_cat.h>
 
-#include <memory>
 #include <string>
 #include <utility>
 
 #include "client/human.h"
-#include "client/scene_source.h"
 #include "common/base/ids.h"
 #include "common/base/status_macros.h"
 #include "proto/convert/job_spec.h"
+#include "worker/engine/scene/environment.h"
 
 namespace shutterline::client {
 namespace {
@@ -19,28 +18,21 @@ namespace {
 absl::Status CheckSizes(const SceneManifest& scene, uint64_t max_file_bytes) {
   for (const SceneFile& file : scene.files) {
     if (file.size <= max_file_bytes) continue;
-    return absl::ResourceExhaustedError(
-        absl::StrCat("load scene ", scene.root_name, ": file '", file.name, "' has ", file.size,
-                     " bytes, but the coordinator takes ", "at most ", max_file_bytes));
+    const std::string name =
+        file.name == engine::kEnvironmentFile ? "the environment" : absl::StrCat("file '", file.name, "'");
+    return absl::ResourceExhaustedError(absl::StrCat("load scene ", scene.root_name, ": ", name, " has ",
+                                                     file.size, " bytes, but the coordinator takes at most ",
+                                                     max_file_bytes));
   }
   return absl::OkStatus();
 }
 
 }  // namespace
 
-SceneReading StartReading(const JobOptions& options) {
-  const auto read = [](const std::string& scene,
-                       const std::string& environment) -> absl::StatusOr<SceneFiles> {
-    SL_ASSIGN_OR_RETURN(std::unique_ptr<engine::AssetSource> source, OpenSceneSource(scene, environment));
-    return SceneFiles::Read(std::move(source), SceneFiles::Limits());
-  };
-  return std::async(std::launch::async, read, options.scene, options.environment);
-}
-
-absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, SceneReading scene,
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, SceneReading& scene,
                                      const v1::SubmitRequest& wishes, Progress& progress) {
   SL_ASSIGN_OR_RETURN(const v1::Capabilities capabilities, Greet(connection));
-  SL_ASSIGN_OR_RETURN(SceneFiles files, scene.get());
+  SL_ASSIGN_OR_RETURN(SceneFiles files, scene.Get());
   JobSpec spec;
   spec.scene = files.manifest();
   spec.name = spec.scene.root_name;

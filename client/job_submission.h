@@ -2,12 +2,10 @@
 
 #include <absl/status/statusor.h>
 
-#include <future>
-
 #include "client/connection.h"
 #include "client/options.h"
 #include "client/progress.h"
-#include "client/scene_files.h"
+#include "client/scene_reading.h"
 #include "client/upload.h"
 
 namespace shutterline::client {
@@ -17,16 +15,10 @@ struct Submission {
   UploadReport upload;
 };
 
-using SceneReading = std::future<absl::StatusOr<SceneFiles>>;
-
-/// Begins to read and hash the job's scene, in a thread of its own: the coordinator can be found, or started,
-/// meanwhile. The result's destructor waits for the thread.
-SceneReading StartReading(const JobOptions& options);
-
-/// Uploads those files of the job's scene that the coordinator lacks and submits the job: what `render` and
-/// `submit` have in common. Once this returns OK, the job is on the coordinator's disk.
-/// `wishes` has what the request asks for beside the specification.
-absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, SceneReading scene,
+/// Waits for the job's scene, uploads those of its files that the coordinator lacks and submits the job: what
+/// `render` and `submit` have in common. Once this returns OK, the job is on the coordinator's disk. `wishes`
+/// has what the request asks for beside the specification.
+absl::StatusOr<Submission> SubmitJob(Connection& connection, const JobOptions& options, SceneReading& scene,
                                      const v1::SubmitRequest& wishes, Progress& progress);
 
 }  // namespace shutterline::client

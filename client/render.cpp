@@ -78,15 +78,14 @@ class RenderCommand : public Command {
 
     Interrupt interrupt;
     const SignalInterrupt signals(interrupt);
-    SceneReading scene = StartReading(options_);
+    SceneReading scene(options_, &interrupt);
     SL_ASSIGN_OR_RETURN(const auto farm,
                         InProcessFarm::Start(threads_, no_shading_cache_ ? 0 : shading_cache_bytes_));
     Connection::Options connection_options;
     connection_options.interrupt = &interrupt;
     Connection connection(farm->Channel(), "the renderer in this process", connection_options);
     Progress progress(ChooseStyle(console, quiet_), console.err);
-    SL_ASSIGN_OR_RETURN(const Submission submission,
-                        SubmitJob(connection, options_, std::move(scene), {}, progress));
+    SL_ASSIGN_OR_RETURN(const Submission submission, SubmitJob(connection, options_, scene, {}, progress));
     const absl::StatusOr<Delivery> delivery =
         Deliver(connection, submission.job.id(), options_.frames, &destination, progress);
     if (!delivery.ok()) {

@@ -13,17 +13,21 @@
 namespace shutterline::client {
 
 absl::StatusOr<SceneFiles> SceneFiles::Read(std::unique_ptr<const engine::AssetSource> source,
-                                            const Limits& limits) {
+                                            const Limits& limits, const std::atomic<bool>* stop) {
   SceneFiles files(std::move(source), limits);
   SceneManifest& manifest = files.manifest_;
   manifest.root_name = files.source_->RootName();
-  SL_ASSIGN_OR_RETURN(std::string root, files.ReadFile(manifest.root_name));
+  SL_ASSIGN_OR_RETURN(std::string root, files.ReadFile(manifest.root_name, stop));
   SL_ASSIGN_OR_RETURN(const std::vector<std::string> external,
                       engine::ListExternalFiles(*files.source_, root));
   files.Add(manifest.root_name, std::move(root));
   for (const std::string& name : external) {
     if (manifest.Find(name) != nullptr) continue;
-    SL_ASSIGN_OR_RETURN(std::string bytes, files.ReadFile(name));
+    if (name == engine::kEnvironmentFile) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          files.Context(), ": file '", name, "': the scene's environment goes by this name (--environment)"));
+    }
+    SL_ASSIGN_OR_RETURN(std::string bytes, files.ReadFile(name, stop));
     files.Add(name, std::move(bytes));
   }
   SL_RETURN_IF_ERROR(Annotate(files.ReadEnvironment(), files.Context()));
@@ -34,7 +38,9 @@ std::string SceneFiles::Context() const {
   return absl::StrCat("load scene ", source_->RootName());
 }
 
-absl::StatusOr<std::string> SceneFiles::ReadFile(const std::string& name) const {
+absl::StatusOr<std::string> SceneFiles::ReadFile(const std::string& name,
+                                                 const std::atomic<bool>* stop) const {
+  if (stop != nullptr && *stop) return absl::CancelledError(absl::StrCat(Context(), ": interrupted"));
   SL_RETURN_IF_ERROR(Annotate(ValidateRelativeName(name), absl::StrCat(Context(), ": file '", name, "'")));
   absl::StatusOr<std::string> bytes = source_->Read(name, limits_.max_file_bytes);
   if (!bytes.ok()) return Annotate(bytes.status(), Context());

@@ -71,11 +71,11 @@ class SubmitCommand : public Command {
 
     Interrupt interrupt;
     const SignalInterrupt signals(interrupt);
-    SceneReading scene = StartReading(options_);
+    SceneReading scene(options_, &interrupt);
     SL_ASSIGN_OR_RETURN(const auto connection, server_.Connect(console, &interrupt, quiet_));
     Progress progress(ChooseStyle(console, quiet_), console.err);
     SL_ASSIGN_OR_RETURN(const Submission submission,
-                        SubmitJob(*connection, options_, std::move(scene), wishes_, progress));
+                        SubmitJob(*connection, options_, scene, wishes_, progress));
     const std::string& id = submission.job.id();
     if (!wait_) {
       if (json_) {

@@ -18,6 +18,9 @@ namespace {
 
 /// A message costs some hops between threads; beyond this they no longer count.
 constexpr size_t kChunkBytes = 256 << 10;
+/// Only whole chunks are kept, and a coordinator does not wait for ever for one: where nothing gets through,
+/// smaller ones are tried, down to this.
+constexpr size_t kLeastChunkBytes = 16 << 10;
 constexpr int kDigestsPerCall = 1000;
 
 /// Those of `request` that the coordinator lacks.
@@ -52,7 +55,7 @@ absl::StatusOr<std::set<Digest>> FindMissing(Connection& connection, const Scene
 
 /// One Write stream from `offset` to the end. What the coordinator says is returned as it stands.
 absl::StatusOr<v1::Committed> WriteFrom(Connection& connection, const Digest& digest,
-                                        const std::string& bytes, uint64_t offset,
+                                        const std::string& bytes, uint64_t offset, size_t chunk_bytes,
                                         const std::function<void(uint64_t)>& sent) {
   grpc::ClientContext context;
   Interrupt::Guard guard(connection.options().interrupt, [&context] { context.TryCancel(); });
@@ -62,7 +65,7 @@ absl::StatusOr<v1::Committed> WriteFrom(Connection& connection, const Digest& di
   *chunk.mutable_digest() = convert::ToProto(digest);
   chunk.set_size_bytes(bytes.size());
   do {
-    const size_t count = std::min<size_t>(kChunkBytes, bytes.size() - offset);
+    const size_t count = std::min<size_t>(chunk_bytes, bytes.size() - offset);
     chunk.set_offset(offset);
     chunk.set_data(bytes.data() + offset, count);
     if (!writer->Write(chunk)) break;  // The stream is over; Finish says why.
@@ -82,6 +85,8 @@ absl::Status UploadBlob(Connection& connection, const std::string& name, const D
   const std::string what = absl::StrCat("upload ", name);
   Backoff backoff(connection.options().retry, connection.options().interrupt);
   uint64_t furthest = 0;
+  size_t chunk_bytes = kChunkBytes;
+  bool tried = false;
   while (true) {
     SL_ASSIGN_OR_RETURN(const v1::Committed here,
                         connection.Repeat<v1::Committed>(what, [&](auto* context, auto* reply) {
@@ -95,13 +100,17 @@ absl::Status UploadBlob(Connection& connection, const std::string& name, const D
     if (here.size_bytes() > furthest) {
       furthest = here.size_bytes();
       backoff.Progress();
+    } else if (tried) {
+      chunk_bytes = std::max(chunk_bytes / 4, kLeastChunkBytes);
     }
-    const auto written = WriteFrom(connection, digest, bytes, here.size_bytes(), sent);
+    tried = true;
+    const auto written = WriteFrom(connection, digest, bytes, here.size_bytes(), chunk_bytes, sent);
     if (written.ok() && written->complete()) return absl::OkStatus();
     absl::Status status = written.status();
-    // All three mean "ask again where we are": the stream broke off without an error, somebody else
-    // writes this very file, or the size moved between the question and the answer.
-    if (written.ok() || absl::IsAborted(status) || absl::IsOutOfRange(status)) {
+    // All of these mean "ask again where we are": the stream broke off without an error, somebody else
+    // writes this very file, the size moved between the question and the answer, or a chunk took too long.
+    if (written.ok() || absl::IsAborted(status) || absl::IsOutOfRange(status) ||
+        absl::IsDeadlineExceeded(status)) {
       status = absl::UnavailableError(written.ok() ? "the file is not complete after all was sent"
                                                    : std::string(status.message()));
     }
@@ -135,6 +144,7 @@ absl::StatusOr<UploadReport> Upload(Connection& connection, SceneFiles& scene,
     ++report.files_uploaded;
     report.bytes_uploaded += file->size;
   }
+  scene.DropBytes();
   return report;
 }
 

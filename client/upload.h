@@ -21,8 +21,8 @@ struct UploadReport {
 using UploadProgress = std::function<void(uint64_t sent, uint64_t total)>;
 
 /// Sends those files of `scene` that the coordinator lacks, each from where an earlier attempt broke off, and
-/// takes their bytes. A dropped connection is resumed for as long as the connection's retry policy says.
-/// Files whose bytes were not kept must not have changed since they were hashed (ABORTED).
+/// takes their bytes; no others are kept. A dropped connection is resumed for as long as the connection's
+/// retry policy says. Files whose bytes were not kept must not have changed since they were hashed (ABORTED).
 absl::StatusOr<UploadReport> Upload(Connection& connection, SceneFiles& scene,
                                     const UploadProgress& progress = nullptr);
 

@@ -139,6 +139,9 @@ grpc::Status FakeFarm::Write(grpc::ServerContext*, grpc::ServerReader<v1::BlobCh
     }
     std::string& have = partial[key];
     if (chunk.offset() != have.size()) return {grpc::StatusCode::OUT_OF_RANGE, "not the committed size"};
+    if (whole_chunks && chunk.data().size() > left) {
+      return {grpc::StatusCode::DEADLINE_EXCEEDED, "no chunk for too long"};
+    }
     const uint64_t take = std::min<uint64_t>(left, chunk.data().size());
     have += chunk.data().substr(0, take);
     bytes_received += take;

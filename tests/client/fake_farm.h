@@ -33,6 +33,7 @@ class FakeFarm final : public v1::Jobs::Service, public v1::Blobs::Service {
   std::vector<v1::JobEvent> events;      ///< Of every job, in order.
   v1::Job job;                           ///< What Submit, Get and Control return.
   std::deque<uint64_t> cuts;             ///< Each stream breaks after that many bytes (events, for Watch).
+  bool whole_chunks = false;             ///< Of a chunk that a cut hits, nothing is kept; it came too late.
   size_t chunk_bytes = 1000;             ///< Of FetchFrame.
   int unavailable_calls = 0;             ///< So many unary calls fail first.
   uint32_t protocol_low = 1, protocol_high = 1;

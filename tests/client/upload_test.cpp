@@ -142,10 +142,10 @@ TEST(Upload, ResumesWhereverTheStreamIsCut) {
   std::mt19937 random(seed);
   for (int round = 0; round < 5; ++round) {
     TempFolder folder;
-    WriteScene(folder, 300'000, random());
+    WriteScene(folder, 1'200'000, random());  // Several chunks.
     FakeFarm farm;
     for (int i = 0; i < 6; ++i) {
-      farm.cuts.push_back(std::uniform_int_distribution<uint64_t>(0, 200'000)(random));
+      farm.cuts.push_back(std::uniform_int_distribution<uint64_t>(0, 900'000)(random));
     }
     farm.unavailable_calls = 2;
     auto files = ReadScene(folder, "", round % 2 == 0 ? SceneFiles::Limits() : kKeepNothing);
@@ -161,6 +161,20 @@ TEST(Upload, ResumesWhereverTheStreamIsCut) {
     EXPECT_EQ(total, report->bytes);
     EXPECT_EQ(told, total);
   }
+}
+
+TEST(Upload, OverALinkThatLetsNoLargeChunkThroughSmallerOnesCome) {
+  TempFolder folder;
+  WriteScene(folder, 150'000, 1);
+  FakeFarm farm;
+  farm.whole_chunks = true;
+  farm.cuts.assign(50, 40'000);  // A stream.
+  auto files = ReadScene(folder);
+  ASSERT_TRUE(files.ok()) << files.status();
+  const auto report = Upload(*farm.Connect(), *files);
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_EQ(farm.blobs.size(), 4u);
+  EXPECT_FALSE(farm.cuts.empty()) << "it got through while streams were cut";
 }
 
 TEST(Upload, EmptyFilesAndEqualFilesAreSentOnce) {

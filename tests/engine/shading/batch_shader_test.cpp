@@ -37,8 +37,8 @@ class RandomScene : public SceneBuilder {
     primitive.positions[0] = primitive.positions[1];
     primitive.positions[3] = V3f(0, 0, 5);
     primitive.positions[6] = V3f(1e30f, 0, 0);
-    // Coordinates of texels that are many images away, beyond what is told apart, and beyond all numbers.
-    const float odd[] = {3e8f, -7e8f, 1e12f, -1e30f, 3e38f, std::numeric_limits<float>::infinity()};
+    // Footprints of more images than can be told apart, and beyond all numbers.
+    const float odd[] = {3e8f, 1e12f, -1e30f, 3e38f, std::numeric_limits<float>::infinity()};
     for (size_t i = 0; i < std::size(odd); ++i) {
       primitive.texcoords[0][12 + 2 * i].x = odd[i];
       primitive.texcoords[0][13 + 2 * i].y = -odd[i];
@@ -92,6 +92,10 @@ class RandomScene : public SceneBuilder {
     reference.texture = Below(int(scene->textures.size()));
     reference.texcoord = Below(2);
     if (Chance(0.3)) reference.transform = {.offset = {0.1, 0.7}, .rotation = 1.1, .scale = {2, 0.5}};
+    // Small footprints, seen at all levels, many images away, and further than is told apart.
+    if (Chance(0.3)) reference.transform.offset = {Number(-2e5, 2e5), Number(-2e5, 2e5)};
+    if (Chance(0.1)) reference.transform.offset = {3e8 + 0.3, -7e8 - 0.4};
+    if (Chance(0.1)) reference.transform.offset = {1e12, -1e30};
     return reference;
   }
 

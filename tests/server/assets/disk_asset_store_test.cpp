@@ -3,12 +3,14 @@
 #include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 
 #include "common/base/retry_hint.h"
 #include "server/assets/blob_scene_source.h"
+#include "server/files/file_faults.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/temporary_folder.h"
 
@@ -86,6 +88,51 @@ TEST_F(DiskAssetStoreTest, WhatAnEarlierWriterLeftIsVerifiedWithTheRest) {
   EXPECT_FALSE(write(2, "me by")->complete);
   EXPECT_TRUE(write(7, "tes")->complete);
   EXPECT_EQ(store_->ReadVerified(digest, 100).value(), content);
+}
+
+TEST_F(DiskAssetStoreTest, AWriteThatFailedHalfWayIsGoneOnWith) {
+  /// Writes a byte and then no more.
+  class FullDisk final : public FileFaults {
+   public:
+    Verdict Before(const FileOperation& operation) override {
+      if (operation.kind != FileOperation::Kind::kWrite) return {};
+      return writes_++ == 0 ? Verdict{.bytes = 1} : Verdict{.error = ENOSPC};
+    }
+
+   private:
+    int writes_ = 0;
+  };
+  const std::string content = "some bytes";
+  const Digest digest = Sha256(content);
+  {
+    auto writer = store_->Write(digest, content.size(), 0);
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE((*writer)->Append("some ").ok());
+    FullDisk full;
+    InstallFileFaults(&full);
+    EXPECT_FALSE((*writer)->Append("bytes").ok());
+    InstallFileFaults(nullptr);
+    // By the same writer, over what was begun.
+    EXPECT_TRUE((*writer)->Append("by").ok());
+  }
+  const uint64_t here = store_->Query(digest)->size;
+  ASSERT_EQ(here, 7u);
+  auto writer = store_->Write(digest, content.size(), here);
+  ASSERT_TRUE(writer.ok()) << writer.status();
+  ASSERT_TRUE((*writer)->Append("tes").ok());
+  EXPECT_TRUE((*writer)->Finish()->complete);
+  EXPECT_EQ(store_->ReadVerified(digest, 100).value(), content);
+}
+
+TEST_F(DiskAssetStoreTest, OfABlobThatWasSaidToBeLargerNothingIsLeft) {
+  const Digest digest = Sha256("right");
+  {
+    auto writer = store_->Write(digest, 100, 0);
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE((*writer)->Append("wrong and long").ok());
+  }
+  EXPECT_TRUE(Put(digest, "right")->complete);
+  EXPECT_EQ(store_->ReadVerified(digest, 100).value(), "right");
 }
 
 TEST_F(DiskAssetStoreTest, EmptyBlobIsABlobAndALargeOneIsRefused) {

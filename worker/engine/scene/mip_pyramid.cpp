@@ -56,7 +56,7 @@ TexelCodes CodesOfImage(const TextureImage& image, TextureEncoding encoding) {
   if (image.rgba16.empty()) {
     return {.kind = is_srgb ? Kind::kSrgbBytes : Kind::kBytes,
             .bytes = image.rgba.data(),
-            .color = kByteTables.srgb.data()};
+            .color = is_srgb ? kByteTables.srgb.data() : nullptr};
   }
   return {.kind = is_srgb ? Kind::kSrgbShorts : Kind::kShorts,
           .shorts = image.rgba16.data(),

@@ -32,7 +32,7 @@ struct TexelCodes {
   Kind kind = Kind::kShorts;
   const uint8_t* bytes = nullptr;    ///< Null where they are shorts.
   const uint16_t* shorts = nullptr;  ///< Null where they are bytes.
-  const float* color = nullptr;
+  const float* color = nullptr;      ///< Null where they are linear.
 };
 
 /// An image at full size and at halves of it down to 1 x 1, each texel the mean of what it covers, in

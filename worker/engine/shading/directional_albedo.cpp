@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,10 @@ DirectionalAlbedoTable MakeTable() {
           IntegrateDirectionalAlbedo(v / double(kSide - 1), r / double(kSide - 1), kSamples);
     }
   };
-  // Isolated: while it waits, a thread must not take up work that wants the table.
-  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, kSide, make_row); });
+  // Isolated: while it waits, a thread must not take up work that wants the table; and work around it that is
+  // called off must not leave the table half made.
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, kSide, make_row, own); });
   return table;
 }
 
