@@ -11,6 +11,7 @@
 
 #include "common/base/ids.h"
 #include "proto/convert/job_spec.h"
+#include "proto/convert/status.h"
 #include "tests/server/coordinator_fixture.h"
 #include "tests/server/fake_worker.h"
 
