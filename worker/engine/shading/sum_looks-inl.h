@@ -155,7 +155,7 @@ HWY_INLINE void TellMemory(std::span<const LookedAt> textures, const BatchWalks&
 
 /// TextureWalk::Sample.
 inline void SumLooksKernel(std::span<const LookedAt> textures, const BatchWalks& walks, SurfaceBatch& batch) {
-  // Textures are larger than caches. Further ahead, what has come would have to go before it is wanted.
+  // Textures are larger than caches. Any small number will do.
   constexpr size_t kAhead = 3;
   for (size_t i = 0; i < kAhead; ++i) TellMemory(textures, walks, batch, i);
   for (size_t i = 0; i < batch.count; ++i) {
