@@ -96,6 +96,15 @@ TEST(GltfMaterial, ReadsImagesFromDataUrisAndFiles) {
   EXPECT_THAT(missing.status().message(), HasSubstr("image 0: file a b.png"));
 }
 
+TEST(GltfMaterial, APictureMayBeginWithAnEmptyPieceOfData) {
+  std::string png = Png(1, 1, {1, 2, 3, 4});
+  const size_t data = png.find("IDAT") - 4;
+  png.insert(data, std::string("\0\0\0\0IDAT\x35\xAF\x06\x1E", 12));
+  const auto scene = ImportBytes(Textured(png).Glb());
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_THAT((*scene)->images[0].rgba, ElementsAre(1, 2, 3, 4));
+}
+
 TEST(GltfMaterial, RefusesImagesThatCannotBeDecoded) {
   EXPECT_THAT(MustFail(Textured("GIF89a...")).message(),
               HasSubstr("image 0 (wood): it is neither PNG nor JPEG"));
