@@ -11,14 +11,21 @@
 #include <fstream>
 #include <iterator>
 
+/// Of the sanitizers, where a program has one: called before it ends the program.
+extern "C" [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)());
+
 namespace shutterline {
 namespace {
 
 char current_input[256];  // For the signal handler, which may not format.
 
-void OnCrash(int number) {
+void TellInput() {
   (void)!write(STDOUT_FILENO, "crash: ", 7);
   (void)!write(STDOUT_FILENO, current_input, std::strlen(current_input));
+}
+
+void OnCrash(int number) {
+  TellInput();
   signal(number, SIG_DFL);
   raise(number);
 }
@@ -31,9 +38,16 @@ int FuzzUsage(const char* name) {
 }  // namespace
 
 int FuzzMain(int argc, char** argv, const char* name, const std::function<std::string(uint64_t)>& by_seed,
-             const std::function<std::string(const std::string&)>& by_bytes) {
+             const std::function<std::string(const std::string&)>& by_bytes,
+             const std::function<std::string(uint64_t)>& mutant) {
+  if (__sanitizer_set_death_callback != nullptr) __sanitizer_set_death_callback(TellInput);
   for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS}) signal(number, OnCrash);
+  if (argc == 3 && std::strcmp(argv[1], "--write") == 0 && mutant) {
+    const std::string bytes = mutant(std::strtoull(argv[2], nullptr, 10));
+    return std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size() ? 0 : 1;
+  }
   if (argc > 1 && argv[1][0] != '-') {
+    if (!by_bytes) return FuzzUsage(name);
     int findings = 0;
     for (int i = 1; i < argc; ++i) {
       std::snprintf(current_input, sizeof current_input, "%s\n", argv[i]);
