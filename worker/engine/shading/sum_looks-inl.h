@@ -50,27 +50,19 @@ HWY_INLINE void ToFloats(const Code* upper, const Code* lower, Float8& to) {
 #endif
 }
 
-/// Read the values of two texels, times kScale.
-struct ShortTexels {
-  static constexpr float kScale = 65535;
-  const uint16_t* codes;
+/// Read the values of two texels, times kScale: linear ones, of bytes or shorts.
+template <typename Code>
+struct LinearTexels {
+  static constexpr float kScale = sizeof(Code) == 1 ? 1 : 65535;  ///< Of shorts only the sum is divided.
+  const Code* codes;
 
-  explicit ShortTexels(const TexelCodes& of) : codes(of.shorts) {}
+  explicit LinearTexels(const Code* of_image) : codes(of_image) {}
   HWY_INLINE void ReadTwo(int32_t upper, int32_t lower, Float8& to) const {
     ToFloats(codes + 4 * size_t(upper), codes + 4 * size_t(lower), to);
+    if constexpr (sizeof(Code) == 1) to /= 255.f;
   }
 };
-struct LinearByteTexels {
-  static constexpr float kScale = 1;
-  const uint8_t* codes;
-
-  explicit LinearByteTexels(const TexelCodes& of) : codes(of.bytes) {}
-  HWY_INLINE void ReadTwo(int32_t upper, int32_t lower, Float8& to) const {
-    ToFloats(codes + 4 * size_t(upper), codes + 4 * size_t(lower), to);
-    to /= 255.f;
-  }
-};
-/// Of bytes or shorts.
+/// The same of codes of sRGB.
 template <typename Code>
 struct SrgbTexels {
   static constexpr float kScale = 1;
@@ -106,9 +98,9 @@ HWY_INLINE Float4 SumOf(const Texels& texels, std::span<const BatchLook> looks, 
 HWY_INLINE Float4 SumAt(const TexelCodes& codes, std::span<const BatchLook> looks, size_t i) {
   switch (codes.kind) {
     case TexelCodes::Kind::kShorts:
-      return SumOf(ShortTexels(codes), looks, i);
+      return SumOf(LinearTexels(codes.shorts), looks, i);
     case TexelCodes::Kind::kBytes:
-      return SumOf(LinearByteTexels(codes), looks, i);
+      return SumOf(LinearTexels(codes.bytes), looks, i);
     case TexelCodes::Kind::kSrgbBytes:
       return SumOf(SrgbTexels(codes.bytes, codes.color), looks, i);
     case TexelCodes::Kind::kSrgbShorts:
