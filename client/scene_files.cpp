@@ -30,7 +30,7 @@ absl::StatusOr<SceneFiles> SceneFiles::Read(std::unique_ptr<const engine::AssetS
     SL_ASSIGN_OR_RETURN(std::string bytes, files.ReadFile(name, stop));
     files.Add(name, std::move(bytes));
   }
-  SL_RETURN_IF_ERROR(Annotate(files.ReadEnvironment(), files.Context()));
+  SL_RETURN_IF_ERROR(files.ReadEnvironment(stop));
   return files;
 }
 
@@ -47,13 +47,13 @@ absl::StatusOr<std::string> SceneFiles::ReadFile(const std::string& name,
   return bytes;
 }
 
-absl::Status SceneFiles::ReadEnvironment() {
+absl::Status SceneFiles::ReadEnvironment(const std::atomic<bool>* stop) {
   const std::string name(engine::kEnvironmentFile);
-  absl::StatusOr<std::string> bytes = source_->Read(name, limits_.max_file_bytes);
+  absl::StatusOr<std::string> bytes = ReadFile(name, stop);
   if (absl::IsNotFound(bytes.status())) return absl::OkStatus();
   SL_RETURN_IF_ERROR(bytes.status());
   // What the workers would refuse is refused here.
-  SL_RETURN_IF_ERROR(engine::DecodeEnvironment(*bytes).status());
+  SL_RETURN_IF_ERROR(Annotate(engine::DecodeEnvironment(*bytes).status(), Context()));
   Add(name, *std::move(bytes));
   return absl::OkStatus();
 }

@@ -19,8 +19,8 @@ class SceneFiles {
  public:
   struct Limits {
     uint64_t max_file_bytes = uint64_t{2} << 30;
-    uint64_t max_kept_bytes = uint64_t{256}
-                              << 20;  ///< Of all files together; what has no room is read again.
+    /// Of all files together; what has no room is read again.
+    uint64_t max_kept_bytes = uint64_t{256} << 20;
   };
 
   /// The root file and every file that it refers to, the root first, and the scene's environment, if it has
@@ -42,7 +42,7 @@ class SceneFiles {
       : source_(std::move(source)), limits_(limits), room_(limits.max_kept_bytes) {}
   std::string Context() const;
   absl::StatusOr<std::string> ReadFile(const std::string& name, const std::atomic<bool>* stop) const;
-  absl::Status ReadEnvironment();
+  absl::Status ReadEnvironment(const std::atomic<bool>* stop);
   void Add(const std::string& name, std::string bytes);
 
   std::unique_ptr<const engine::AssetSource> source_;
