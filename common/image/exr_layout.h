@@ -42,6 +42,7 @@ absl::Status CheckImageSize(int width, int height);
 /// What is at the head of a tiled EXR of kTileSize × kTileSize tiles, one level, but for the metadata.
 Imf::Header TiledHeader(int width, int height, const std::vector<StoredChannel>& stored,
                         ExrCompression compression);
+
 /// What the library throws while it encodes, as a status.
 template <typename Work>
 auto EncodeGuarded(const Work& work) -> decltype(work()) {

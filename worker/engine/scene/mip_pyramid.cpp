@@ -178,13 +178,10 @@ V4f MipPyramid::Sum(int level, std::span<const TexelQuad> quads) const {
 
 void MipPyramid::Prefetch(int level, std::span<const TexelQuad> quads) const {
   const TexelCodes codes = CodesOf(level);
-  const bool bytes = codes.bytes != nullptr;
-  const void* texels = bytes ? static_cast<const void*>(codes.bytes) : codes.shorts;
-  const size_t size = bytes ? 4 : 8;
   // What lies to the right is mostly in the same line of the cache.
   for (const TexelQuad& quad : quads) {
-    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.top_left);
-    __builtin_prefetch(static_cast<const char*>(texels) + size * quad.bottom_left);
+    __builtin_prefetch(codes.AddressOf(quad.top_left));
+    __builtin_prefetch(codes.AddressOf(quad.bottom_left));
   }
 }
 

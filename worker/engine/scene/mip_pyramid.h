@@ -33,6 +33,10 @@ struct TexelCodes {
   const uint8_t* bytes = nullptr;    ///< Null where they are shorts.
   const uint16_t* shorts = nullptr;  ///< Null where they are bytes.
   const float* color = nullptr;      ///< Null where they are linear.
+
+  const void* AddressOf(size_t number) const {
+    return bytes != nullptr ? static_cast<const void*>(bytes + 4 * number) : shorts + 4 * number;
+  }
 };
 
 /// An image at full size and at halves of it down to 1 x 1, each texel the mean of what it covers, in

@@ -110,14 +110,11 @@ struct AlbedoLanes {
     const Doubles fx = hn::Sub(x, column), fy = hn::Sub(y, row);
     const double* const numbers = &table.rows[0][0].scale;
     const auto first = hn::ConvertTo(dl, hn::Mul(All(2), hn::Add(hn::Mul(row, All(kSide)), column)));
-    const auto mix = [](Doubles a, Doubles b, Doubles part) {
-      return hn::Add(a, hn::Mul(part, hn::Sub(b, a)));
-    };
     const auto look = [&](int64_t which) {
       const auto at = [&](int64_t offset) {
         return hn::GatherIndex(d, numbers, hn::Add(first, hn::Set(dl, which + 2 * offset)));
       };
-      return mix(mix(at(0), at(1), fx), mix(at(kSide), at(kSide + 1), fx), fy);
+      return Between(Between(at(0), at(1), fx), Between(at(kSide), at(kSide + 1), fx), fy);
     };
     scale = look(0);
     bias = look(1);

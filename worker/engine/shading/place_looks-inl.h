@@ -72,7 +72,7 @@ struct WalkLanes {
     const Doubles probes = hn::PromoteTo(d, hn::Load(ShadeInts(), batch.probes.data() + k));
     const Doubles one = All(1);
     has_one = hn::Le(probes, one);
-    takes_whole = hn::And(hn::Lt(probes, one), hn::Lt(hn::Zero(d), All(image.nearest ? 1 : 0)));
+    takes_whole = hn::Lt(probes, All(image.nearest ? 1 : 0));
     first = hn::Mul(All(-0.5), hn::Sub(probes, one));
     for (size_t i = 0; i < hn::Lanes(d); ++i) most = std::max(most, int(batch.probes[k + i]));
   }

@@ -71,6 +71,12 @@ HWY_INLINE Doubles3 Choose(DoublesMask mask, const Doubles3& yes, const Doubles3
           hn::IfThenElse(mask, yes.z, no.z)};
 }
 
+/// From one number to another.
+template <typename Numbers>
+HWY_INLINE Numbers Between(Numbers a, Numbers b, Numbers part) {
+  return hn::Add(a, hn::Mul(part, hn::Sub(b, a)));
+}
+
 /// std::max, std::min and std::clamp, what they do with what is not a number included.
 HWY_INLINE Doubles Greater(Doubles a, Doubles b) {
   return hn::IfThenElse(hn::Lt(a, b), b, a);

@@ -101,12 +101,11 @@ HWY_INLINE Doubles3 SampleMaps(const SkyMap& sky, const MapLanes& maps, const La
   const auto offset = [&](auto texel) { return hn::Add(texel, hn::Add(texel, texel)); };
   const auto upper_left = offset(hn::Add(upper, x0)), upper_right = offset(hn::Add(upper, x1));
   const auto lower_left = offset(hn::Add(lower, x0)), lower_right = offset(hn::Add(lower, x1));
-  const auto mix = [](auto a, auto b, auto part) { return hn::Add(a, hn::Mul(part, hn::Sub(b, a))); };
   const auto channel = [&](size_t c) {
     const float* const texels = &sky.texels().data()->x + c;
     const auto of = [&](auto texel) { return hn::GatherIndex(df, texels, texel); };
-    const auto mixed =
-        mix(mix(of(upper_left), of(upper_right), fx), mix(of(lower_left), of(lower_right), fx), fy);
+    const auto mixed = Between(Between(of(upper_left), of(upper_right), fx),
+                               Between(of(lower_left), of(lower_right), fx), fy);
     return hn::PromoteTo(d, mixed);
   };
   return {channel(0), channel(1), channel(2)};

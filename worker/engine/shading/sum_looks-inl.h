@@ -111,13 +111,10 @@ HWY_INLINE Float4 SumAt(const TexelCodes& codes, std::span<const BatchLook> look
 
 /// Has memory send what point i looks at. Inlined: compilers drop calls of functions that do nothing else.
 HWY_INLINE void TellMemory(const TexelCodes& codes, std::span<const BatchLook> looks, size_t i) {
-  const bool bytes = codes.bytes != nullptr;
-  const void* const texels = bytes ? static_cast<const void*>(codes.bytes) : codes.shorts;
-  const size_t size = bytes ? 4 : 8;
   // What lies to the right is mostly in the same line of the cache.
   for (const BatchLook& look : looks) {
-    __builtin_prefetch(static_cast<const char*>(texels) + size * size_t(look.top_left[i]));
-    __builtin_prefetch(static_cast<const char*>(texels) + size * size_t(look.bottom_left[i]));
+    __builtin_prefetch(codes.AddressOf(size_t(look.top_left[i])));
+    __builtin_prefetch(codes.AddressOf(size_t(look.bottom_left[i])));
   }
 }
 
